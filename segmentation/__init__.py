@@ -1,0 +1,27 @@
+"""Segmentation of point clouds: reading, thinning, normals, primitives. Arrays in, arrays out; knows no vault.
+
+Names are imported when they are first used, so that importing the package costs nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from segmentation.cloud import Cloud as Cloud
+    from segmentation.errors import ReadError as ReadError
+
+_EXPORTS = {
+    "Cloud": "segmentation.cloud",
+    "ReadError": "segmentation.errors",
+}
+__all__ = list(_EXPORTS)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _EXPORTS:
+        raise AttributeError(f"module 'segmentation' has no attribute {name!r}")
+    return getattr(import_module(_EXPORTS[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_EXPORTS])

@@ -1,0 +1,63 @@
+"""The one value that reading a scan gives: points local to an origin, Z up, with what the scanner knew of each."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Up = Literal["z", "y"]
+Floats = NDArray[np.float32] | NDArray[np.float64]
+F = TypeVar("F", NDArray[np.float32], NDArray[np.float64])
+
+
+def _no_stations() -> NDArray[np.float64]:
+    return np.zeros((0, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """Points of a scan in metres, Z up, relative to `origin`.
+
+    xyz: (n, 3) float32, or float64 where float32 would round by more than 0.1 mm; all finite.
+    origin: (3,) float64, in the Z-up frame: `xyz + origin` are the file's coordinates turned Z-up.
+    normals: (n, 3) float32 unit vectors as the file has them, or None.
+    color: (n, 3) uint16 red, green, blue over the full range 0..65535, or None.
+    intensity: (n,) uint16, or None.
+    classification: (n,) uint8 by the LAS standard, or None.
+    stations: (k, 3) float64 scanner positions, local like xyz; empty where the file tells none.
+    source: the file, or None.
+    up: the axis that was up in the file; "y" means that the points were turned when read.
+    dropped: how many points of the file were left out, being NaN, infinite or marked invalid.
+    kept: (points in the file,) bool, True for those in xyz and in the same order; None where nothing was dropped.
+    """
+
+    xyz: Floats
+    origin: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    normals: NDArray[np.float32] | None = None
+    color: NDArray[np.uint16] | None = None
+    intensity: NDArray[np.uint16] | None = None
+    classification: NDArray[np.uint8] | None = None
+    stations: NDArray[np.float64] = field(default_factory=_no_stations)
+    source: Path | None = None
+    up: Up = "z"
+    dropped: int = 0
+    kept: NDArray[np.bool_] | None = None
+
+    def __len__(self) -> int:
+        return len(self.xyz)
+
+    def in_file(self, xyz: Floats) -> NDArray[np.float64]:
+        """Local points (m, 3) in the coordinates and the axes of the file, float64 [m]."""
+        return turn_back(np.asarray(xyz, np.float64) + self.origin, self.up)
+
+
+def turn(xyz: F, up: Up) -> F:
+    """Points or directions (n, 3) of a file with that axis up, turned Z-up: (x, y, z) -> (x, -z, y) for "y"."""
+    return xyz if up == "z" else xyz[:, [0, 2, 1]] * np.array([1, -1, 1], xyz.dtype)
+
+
+def turn_back(xyz: F, up: Up) -> F:
+    """The inverse of `turn`: (x, y, z) -> (x, z, -y) for "y"."""
+    return xyz if up == "z" else xyz[:, [0, 2, 1]] * np.array([1, 1, -1], xyz.dtype)

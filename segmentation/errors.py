@@ -1,0 +1,11 @@
+"""What reading a cloud can raise."""
+
+from pathlib import Path
+
+
+class ReadError(ValueError):
+    """A file that cannot be read as a point cloud. The message is one line: the file, what is wrong, the way out."""
+
+    def __init__(self, path: Path | str, wrong: str, way_out: str) -> None:
+        super().__init__(" ".join(f"{path}: {wrong}; {way_out}".split()))
+        self.path = Path(path)
