@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from segmentation.cloud import Cloud as Cloud
     from segmentation.errors import ReadError as ReadError
+    from segmentation.io import read as read
 
 _EXPORTS = {
     "Cloud": "segmentation.cloud",
     "ReadError": "segmentation.errors",
+    "read": "segmentation.io",
 }
 __all__ = list(_EXPORTS)
 

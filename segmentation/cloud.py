@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 Up = Literal["z", "y"]
-Floats = NDArray[np.float32] | NDArray[np.float64]
-F = TypeVar("F", NDArray[np.float32], NDArray[np.float64])
+Floats = NDArray[np.floating[Any]]
+F = TypeVar("F", bound=np.floating[Any])
 
 
 def _no_stations() -> NDArray[np.float64]:
@@ -53,11 +53,11 @@ class Cloud:
         return turn_back(np.asarray(xyz, np.float64) + self.origin, self.up)
 
 
-def turn(xyz: F, up: Up) -> F:
+def turn(xyz: NDArray[F], up: Up) -> NDArray[F]:
     """Points or directions (n, 3) of a file with that axis up, turned Z-up: (x, y, z) -> (x, -z, y) for "y"."""
     return xyz if up == "z" else xyz[:, [0, 2, 1]] * np.array([1, -1, 1], xyz.dtype)
 
 
-def turn_back(xyz: F, up: Up) -> F:
+def turn_back(xyz: NDArray[F], up: Up) -> NDArray[F]:
     """The inverse of `turn`: (x, y, z) -> (x, z, -y) for "y"."""
     return xyz if up == "z" else xyz[:, [0, 2, 1]] * np.array([1, 1, -1], xyz.dtype)

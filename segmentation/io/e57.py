@@ -1,0 +1,145 @@
+"""E57 (ASTM E2807), read in chunks by the library under pye57: all scans, each by its pose."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from segmentation.errors import ReadError
+from segmentation.io.chunk import SIZE, Chunk
+from segmentation.io.ranges import TOP
+
+CARTESIAN = ("cartesianX", "cartesianY", "cartesianZ")
+SPHERICAL = ("sphericalRange", "sphericalAzimuth", "sphericalElevation")
+COLOR = ("colorRed", "colorGreen", "colorBlue")
+NORMALS = ("nor:normalX", "nor:normalY", "nor:normalZ")
+"""Names of the public extension for surface normals."""
+TYPES = {
+    **dict.fromkeys((*CARTESIAN, *SPHERICAL, "intensity"), "f8"),
+    **dict.fromkeys((*COLOR, *NORMALS), "f4"),
+    **dict.fromkeys(("cartesianInvalidState", "sphericalInvalidState"), "i1"),
+}
+WAY_OUT = "copy it again from where it comes from, or export the scan again"
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Where a scan's own frame lies in the file's: file = rotation @ own + translation."""
+
+    rotation: NDArray[np.float64]
+    translation: NDArray[np.float64]
+    is_identity: bool
+
+
+def read_e57(path: Path) -> Iterator[Chunk]:
+    """The points of all scans in the file's coordinates, with colour, intensity, normals and scanner positions.
+
+    A scanner's position is the translation of its scan's pose. A scan without pose tells none, nor does a lone scan
+    whose pose is the identity, which is how merged clouds are written.
+    Raises ReadError if the file is damaged, or a scan has neither cartesian nor spherical coordinates.
+    """
+    from pye57 import libe57
+
+    try:
+        image = libe57.ImageFile(str(path), "r")
+    except Exception as error:
+        raise _damaged(path, error) from error
+    try:
+        data = image.root()["data3D"]
+        scans = [data[k] for k in range(len(data)) if data[k]["points"].childCount() > 0]
+        total = sum(scan["points"].childCount() for scan in scans)
+        done = 0
+        for scan in scans:
+            pose = _pose(scan)
+            lone = pose is None or (pose.is_identity and len(scans) == 1)
+            stations = None if pose is None or lone else pose.translation[None]
+            for raw in _raw_chunks(path, image, scan):
+                chunk = _chunk(raw, scan, pose)
+                done += len(chunk.xyz)
+                yield replace(chunk, stations=stations, done=done / total)
+                stations = None
+    except libe57.E57Exception as error:
+        raise _damaged(path, error) from error
+    finally:
+        image.close()
+
+
+def _raw_chunks(path: Path, image: Any, scan: Any) -> Iterator[dict[str, NDArray[Any]]]:
+    """The fields of a scan that we know, chunk by chunk."""
+    from pye57 import libe57
+
+    points = scan["points"]
+    prototype = libe57.StructureNode(points.prototype())
+    have = {prototype.get(k).elementName() for k in range(prototype.childCount())}
+    fields = [f for f in TYPES if f in have]
+    if not (set(fields).issuperset(CARTESIAN) or set(fields).issuperset(SPHERICAL)):
+        raise ReadError(path, "a scan has neither cartesian nor spherical coordinates", "export the scan again")
+    capacity = min(SIZE, points.childCount())
+    arrays = {f: np.empty(capacity, TYPES[f]) for f in fields}
+    buffers = libe57.VectorSourceDestBuffer()
+    for f, array in arrays.items():
+        buffers.append(libe57.SourceDestBuffer(image, f, array, capacity, True, True))
+    reader = points.reader(buffers)
+    while n := reader.read():
+        yield {f: array[:n] for f, array in arrays.items()}
+    reader.close()
+
+
+def _chunk(raw: dict[str, NDArray[Any]], scan: Any, pose: Pose | None) -> Chunk:
+    cartesian = CARTESIAN[0] in raw
+    xyz = np.stack([raw[f] for f in CARTESIAN], axis=1) if cartesian else _cartesian(*(raw[f] for f in SPHERICAL))
+    state = raw.get("cartesianInvalidState" if cartesian else "sphericalInvalidState")
+    normals = np.stack([raw[f] for f in NORMALS], axis=1) if NORMALS[0] in raw else None
+    if pose is not None and not pose.is_identity:
+        xyz = xyz @ pose.rotation.T + pose.translation
+        normals = None if normals is None else normals @ pose.rotation.T.astype(np.float32)
+    return Chunk(
+        xyz=xyz,
+        normals=normals,
+        color=np.stack([_scaled(raw[f], scan, "colorLimits", f) for f in COLOR], axis=1) if COLOR[0] in raw else None,
+        intensity=_scaled(raw["intensity"], scan, "intensityLimits", "intensity") if "intensity" in raw else None,
+        valid=None if state is None else state == 0,
+    )
+
+
+def _cartesian(r: NDArray[Any], azimuth: NDArray[Any], elevation: NDArray[Any]) -> NDArray[Any]:
+    flat = r * np.cos(elevation)
+    return np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), r * np.sin(elevation)], axis=1)
+
+
+def _scaled(values: NDArray[Any], scan: Any, limits: str, field: str) -> NDArray[Any]:
+    """The field over 0..65535 by the limits that the scan gives; a copy as it is where it gives none."""
+    if not scan.isDefined(f"{limits}/{field}Minimum"):
+        return values.copy()
+    low, high = (float(scan[limits][field + end].value()) for end in ("Minimum", "Maximum"))
+    if high <= low:
+        return values.copy()
+    return np.round(np.clip((values - low) * (TOP / (high - low)), 0, TOP)).astype(np.uint16)
+
+
+def _pose(scan: Any) -> Pose | None:
+    if not scan.isDefined("pose"):
+        return None
+    pose = scan["pose"]
+    w, x, y, z = _numbers(pose, "rotation", "wxyz", [1.0, 0.0, 0.0, 0.0])
+    n = w * w + x * x + y * y + z * z
+    rotation = np.eye(3) + (2 / n) * np.array(
+        [
+            [-y * y - z * z, x * y - w * z, x * z + w * y],
+            [x * y + w * z, -x * x - z * z, y * z - w * x],
+            [x * z - w * y, y * z + w * x, -x * x - y * y],
+        ]
+    )
+    translation = np.array(_numbers(pose, "translation", "xyz", [0.0, 0.0, 0.0]))
+    return Pose(rotation, translation, is_identity=bool((rotation == np.eye(3)).all() and not translation.any()))
+
+
+def _numbers(node: Any, child: str, names: str, default: list[float]) -> list[float]:
+    return [float(node[child][name].value()) for name in names] if node.isDefined(child) else default
+
+
+def _damaged(path: Path, error: Exception) -> ReadError:
+    return ReadError(path, f"is no whole E57 file ({str(error).splitlines()[0]})", WAY_OUT)
