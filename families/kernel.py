@@ -1,0 +1,225 @@
+"""The numeric surface of a vault, compiled: signed distance, component and normal of many points in one pass.
+
+A void is a union of pieces, a piece an intersection of bodies (`families.parts`): the signed distance is the minimum
+over pieces of the maximum over bodies, exact near the surface (Ricci 1973, constructive geometry with min and max).
+Positive is in the stone, negative in the room.
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+import numpy as np
+from numba import njit, prange
+from numpy.typing import NDArray
+
+from families.parts import Ball, Barrel, Ceiling, Lid, Part, Piece, Plan, Turned
+from families.profiles import Curve
+
+Array = NDArray[np.float64]
+
+# Columns of the packed table, one row a body.
+PIECE, KIND, ACROSS, CENTRE, BASE, SIDE, CROWN_RISE, HALF_LENGTH = range(8)
+HALF_SPAN, RISE, STILT, ARCS, U1, Z1, R1, U2, Z2, R2 = range(8, 18)
+NAME, NAMING = 18, 22  # four names from 18 on; NAMING says how the name is chosen
+WIDTH = 23
+
+BARREL, BALL, TURNED, CEILING, LID = range(5)
+ALONG, QUARTER, HEIGHT = range(3)  # NAMING: by the sign along the axis, by the corner of the plan, by the height
+
+
+def pack(pieces: tuple[Piece, ...], components: tuple[str, ...]) -> Array:
+    """Table (bodies, WIDTH) of a void for the kernels below; component ids are 1 + index in `components`."""
+    ids = {name: float(i + 1) for i, name in enumerate(components)}
+    rows = [_row(k, part, ids) for k, piece in enumerate(pieces) for part in piece.parts]
+    return np.array(rows)
+
+
+def pack_plan(plan: Plan | None) -> Array:
+    """Half extents (2,) of the walls, infinite if there are none."""
+    return np.array([inf, inf]) if plan is None else np.array([plan.half_x, plan.half_y])
+
+
+def _row(piece: int, part: Part, ids: dict[str, float]) -> list[float]:
+    row = [0.0] * WIDTH
+    row[PIECE] = piece
+    match part:
+        case Barrel():
+            row[KIND], row[NAMING], row[ACROSS] = BARREL, ALONG, float(part.across == "y")
+            row[CENTRE], row[BASE], row[SIDE] = part.centre, part.base, part.side
+            row[CROWN_RISE], row[HALF_LENGTH] = part.crown_rise, part.half_length
+            row[HALF_SPAN:NAME] = _curve(part.curve)
+        case Ball():
+            row[KIND], row[NAMING], row[BASE], row[R1] = BALL, QUARTER, part.z, part.radius
+        case Turned():
+            row[KIND], row[NAMING], row[BASE] = TURNED, HEIGHT, part.base
+            row[HALF_SPAN:NAME] = _curve(part.curve)
+        case Ceiling():
+            row[KIND], row[BASE] = CEILING, part.z
+        case Lid():
+            row[KIND], row[BASE] = LID, part.z
+            return row
+    names = part.names * (4 // len(part.names)) if len(part.names) != 3 else part.names
+    row[NAME : NAME + len(names)] = [ids[n] for n in names]
+    return row
+
+
+def _curve(curve: Curve) -> list[float]:
+    arcs = [value for a in curve.arcs for value in (a.u, a.z, a.radius)]
+    return [curve.half_span, curve.rise, curve.stilt, float(len(curve.arcs)), *arcs, *[0.0] * (6 - len(arcs))]
+
+
+@njit(cache=True)
+def _ellipse(u: float, z: float, a: float, b: float) -> tuple[float, float, float]:
+    """Signed distance of (u, z), both >= 0, to the ellipse of half axes a, b, and its normal.
+
+    Newton from the left on the convex function of Eberly, "Distance from a point to an ellipse" (2013).
+    """
+    t = max(-a * a + a * u, -b * b + b * z)
+    for _ in range(60):
+        ru, rz = a * u / (t + a * a), b * z / (t + b * b)
+        f = ru * ru + rz * rz - 1.0
+        slope = -2.0 * (ru * ru / (t + a * a) + rz * rz / (t + b * b))
+        if f < 1e-15 or slope == 0.0:
+            break
+        t -= f / slope
+    eu, ez = a * a * u / (t + a * a), b * b * z / (t + b * b)
+    nu, nz = eu / (a * a), ez / (b * b)
+    size = sqrt(nu * nu + nz * nz)
+    nu, nz = nu / size, nz / size
+    return (u - eu) * nu + (z - ez) * nz, nu, nz
+
+
+@njit(cache=True)
+def _profile(u: float, z: float, part: Array) -> tuple[float, float, float]:
+    """Signed distance of (u, z), u >= 0, to a curve with a wall below its springing; normal (nu, nz)."""
+    wall = u - part[HALF_SPAN]
+    if part[ARCS] == 0.0:
+        if z <= 0.0 or (u < 1e-9 and z < 1e-9):
+            return wall, 1.0, 0.0
+        return _ellipse(u, z, part[HALF_SPAN], part[RISE])  # type: ignore[no-any-return]  # numba is untyped
+    cu, cz, r = part[U1], part[Z1], part[R1]
+    if part[ARCS] == 2.0 and (cu - part[U2]) * (z - part[Z2]) - (cz - part[Z2]) * (u - part[U2]) > 0.0:
+        cu, cz, r = part[U2], part[Z2], part[R2]
+    if z <= cz:
+        return wall, 1.0, 0.0
+    du, dz = u - cu, z - cz
+    size = sqrt(du * du + dz * dz)
+    arc = size - r
+    # A wall may be nearer only below the springing or where the arc leaves it at an angle.
+    if arc < wall:
+        return wall, 1.0, 0.0
+    return arc, du / size, dz / size
+
+
+@njit(cache=True)
+def _body(x: float, y: float, z: float, part: Array) -> tuple[float, float, float, float]:
+    """Signed distance and normal of a point to one body; -inf where the body says nothing."""
+    kind = part[KIND]
+    if kind == BARREL:
+        across, along = (x, y) if part[ACROSS] == 0.0 else (y, x)
+        u = across - part[CENTRE]
+        if part[SIDE] != 0.0:
+            u *= part[SIDE]
+            if u < 0.0:
+                return -inf, 0.0, 0.0, 1.0
+            sign = part[SIDE]
+        else:
+            sign = 1.0 if u >= 0.0 else -1.0
+            u = abs(u)
+        slope = part[CROWN_RISE] / part[HALF_LENGTH]
+        h = z - part[BASE] - part[CROWN_RISE] + slope * abs(along)
+        d, nu, nz = _profile(u, h, part)
+        if slope != 0.0:
+            na = nz * slope * (1.0 if along >= 0.0 else -1.0)
+            size = sqrt(1.0 + na * na)
+            d, nu, nz, na = d / size, nu / size, nz / size, na / size
+        else:
+            na = 0.0
+        nu *= sign
+        return (d, nu, na, nz) if part[ACROSS] == 0.0 else (d, na, nu, nz)
+    if kind == BALL:
+        h = z - part[BASE]
+        if h < 0.0:
+            size = sqrt(x * x + y * y)
+            return size - part[R1], x / max(size, 1e-300), y / max(size, 1e-300), 0.0
+        size = max(sqrt(x * x + y * y + h * h), 1e-300)
+        return size - part[R1], x / size, y / size, h / size
+    if kind == TURNED:
+        rho = sqrt(x * x + y * y)
+        d, nu, nz = _profile(rho, z - part[BASE], part)
+        if rho < 1e-12:
+            return d, 0.0, 0.0, 1.0
+        return d, nu * x / rho, nu * y / rho, nz
+    return z - part[BASE], 0.0, 0.0, 1.0
+
+
+@njit(cache=True)
+def _name(x: float, y: float, z: float, part: Array) -> int:
+    if part[NAMING] == QUARTER:
+        k = (1 if x > 0.0 else 0) + (2 if y > 0.0 else 0)
+    elif part[NAMING] == HEIGHT:
+        k = 1 if z > part[BASE] else 0
+    else:
+        k = 1 if (y if part[ACROSS] == 0.0 else x) > 0.0 else 0
+    return int(part[NAME + k])
+
+
+@njit(cache=True)
+def _void(x: float, y: float, z: float, parts: Array) -> tuple[float, int, float, float, float]:
+    """Signed distance, component and normal of one point in the vault's frame."""
+    best, best_name, bx, by, bz = inf, 0, 0.0, 0.0, 1.0
+    k = 0
+    while k < len(parts):
+        piece = parts[k, PIECE]
+        most, surface, row, mx, my, mz = -inf, -inf, -1, 0.0, 0.0, 1.0
+        while k < len(parts) and parts[k, PIECE] == piece:
+            d, nx, ny, nz = _body(x, y, z, parts[k])
+            if parts[k, KIND] != LID and (d > surface or row < 0):
+                surface, row, mx, my, mz = d, k, nx, ny, nz
+            most = max(most, d)
+            k += 1
+        if most < best:
+            best, best_name, bx, by, bz = most, _name(x, y, z, parts[row]), mx, my, mz
+    return best, best_name, bx, by, bz
+
+
+@njit(cache=True)
+def _room(x: float, y: float, z: float, parts: Array, plan: Array) -> tuple[float, int, float, float, float]:
+    """The same for the vault on its walls: component 0 on the walls, above and below the springing."""
+    d, name, nx, ny, nz = _void(x, y, z, parts)
+    if abs(x) - plan[0] > d:
+        d, name, nx, ny, nz = abs(x) - plan[0], 0, (1.0 if x > 0.0 else -1.0), 0.0, 0.0
+    if abs(y) - plan[1] > d:
+        d, name, nx, ny, nz = abs(y) - plan[1], 0, 0.0, (1.0 if y > 0.0 else -1.0), 0.0
+    return d, name if z >= -1e-9 else 0, nx, ny, nz
+
+
+@njit(cache=True, parallel=True)
+def distances(xyz: Array, frame: Array, parts: Array, plan: Array) -> Array:
+    """Signed distances (n,) [m] of points (n, 3) to the room; `frame` (3, 4) brings them into the vault's frame."""
+    out = np.empty(len(xyz))
+    for i in prange(len(xyz)):
+        px, py, pz = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+        x = frame[0, 0] * px + frame[0, 1] * py + frame[0, 2] * pz + frame[0, 3]
+        y = frame[1, 0] * px + frame[1, 1] * py + frame[1, 2] * pz + frame[1, 3]
+        z = frame[2, 0] * px + frame[2, 1] * py + frame[2, 2] * pz + frame[2, 3]
+        out[i] = _room(x, y, z, parts, plan)[0]
+    return out
+
+
+@njit(cache=True, parallel=True)
+def surface(xyz: Array, frame: Array, parts: Array, plan: Array) -> tuple[Array, NDArray[np.uint16], Array]:
+    """Signed distances (n,) [m], components (n,) and normals (n, 3) in the points' frame."""
+    n = len(xyz)
+    distance, component, normal = np.empty(n), np.empty(n, np.uint16), np.empty((n, 3))
+    for i in prange(n):
+        px, py, pz = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+        x = frame[0, 0] * px + frame[0, 1] * py + frame[0, 2] * pz + frame[0, 3]
+        y = frame[1, 0] * px + frame[1, 1] * py + frame[1, 2] * pz + frame[1, 3]
+        z = frame[2, 0] * px + frame[2, 1] * py + frame[2, 2] * pz + frame[2, 3]
+        d, name, nx, ny, nz = _room(x, y, z, parts, plan)
+        distance[i], component[i] = d, name
+        for k in range(3):
+            normal[i, k] = nx * frame[0, k] + ny * frame[1, k] + nz * frame[2, k]
+    return distance, component, normal

@@ -1,0 +1,19 @@
+"""What the library raises for input it cannot serve; the command line turns each into one line and exit code 2."""
+
+from __future__ import annotations
+
+
+class VaultcadError(ValueError):
+    """Base of them all; the message names the thing, the value and the way out."""
+
+
+class NoVaultError(VaultcadError):
+    """The scan holds nothing that any family explains."""
+
+
+class ExportError(VaultcadError):
+    """A file could not be written, or did not read back as what was meant."""
+
+
+class MissingLibraryError(VaultcadError):
+    """A library of the stack, or a system library under it, is missing or broken."""

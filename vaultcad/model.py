@@ -1,0 +1,100 @@
+"""The result of a fit, as plain values: what every exporter and the report read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import cos, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Vault
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a vault stands in the scan's local frame: its origin [m], and its x axis turned by `yaw` about z [rad]."""
+
+    x: float
+    y: float
+    z: float
+    yaw: float
+
+    def frame(self) -> NDArray[np.float64]:
+        """(3, 4): brings points of the scan's local frame into the vault's."""
+        c, s = cos(self.yaw), sin(self.yaw)
+        turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        return np.column_stack([turn, -turn @ [self.x, self.y, self.z]])
+
+    def placement(self) -> NDArray[np.float64]:
+        """(4, 4): brings points of the vault's frame into the scan's local frame."""
+        c, s = cos(self.yaw), sin(self.yaw)
+        return np.array([[c, -s, 0, self.x], [s, c, 0, self.y], [0, 0, 1, self.z], [0, 0, 0, 1]], dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """Distances of points to a surface [m]; `within`: share of points not farther than each limit [m]."""
+
+    mean: float
+    rms: float
+    p95: float
+    max: float
+    within: Mapping[float, float]
+    loa: str  # USIBD level of accuracy of the 95 % limit: "LOA10" (coarser than 5 cm) ... "LOA50" (1 mm)
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One parameter or derived size with its standard deviation in the same unit; None if it was not estimated."""
+
+    value: float
+    unit: str
+    std: float | None
+    meaning: str = ""
+    derived: bool = False
+
+
+@dataclass(frozen=True)
+class Component:
+    """What the scan says of one component; `id` is the label in segments.laz."""
+
+    id: int
+    name: str
+    points: int
+    deviation: Deviation | None
+    coverage: float
+
+
+@dataclass(frozen=True)
+class FittedVault:
+    """One vault of the scan: family with its parameters, pose, how sure, and how far the stone is from it."""
+
+    vault: Vault
+    pose: Pose
+    confidence: float
+    alternatives: tuple[tuple[str, float], ...]  # family ids and scores, best first
+    parameters: Mapping[str, Estimate]
+    components: tuple[Component, ...]
+    deviation: Deviation
+    coverage: float
+    converged: bool = True
+    as_built: Deviation | None = None
+
+
+@dataclass(frozen=True)
+class Model:
+    """All that one run says of one scan. Geometry is local to `origin` [m]; `thickness` is that of the solids [m]."""
+
+    scan: Path
+    points: int
+    bounds: NDArray[np.float64]  # (2, 3) in the scan's own coordinates
+    origin: NDArray[np.float64]  # (3,)
+    vaults: tuple[FittedVault, ...]
+    thickness: float = 0.15
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)  # stage -> time; the one part that is not reproducible
