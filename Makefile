@@ -1,0 +1,78 @@
+# Everything a clone needs: `make demo` or `make test`, each alone, sets up .venv first.
+# Variables: PYTHON=python3.12 (the interpreter of a new .venv), ARGS="-k groin" (passed on to pytest, the benchmarks, the fuzzer).
+
+SUPPORTED := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
+PYTHON ?= $(shell for p in python3 python3.11 python3.12 python3.13; do \
+	"$$p" -c '$(SUPPORTED)' 2>/dev/null && echo "$$p" && break; done)
+BIN := .venv/bin
+# Set to nothing to run the tests in one process, where they can be debugged.
+WORKERS ?= -n 2 --dist loadfile
+
+# Byte code is what makes the second start quick.
+unexport PYTHONDONTWRITEBYTECODE
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help install demo test check format bench fuzz lock clean
+
+help:
+	@echo 'make demo     scan a groin vault in a room virtually, then fit it: demo/groin'
+	@echo 'make test     style, types, imports, then the tests  (ARGS="-k groin" for some of them)'
+	@echo 'make check    style, types and imports alone'
+	@echo 'make format   put the code in order'
+	@echo 'make bench    the benchmarks'
+	@echo 'make fuzz     the tests that make up their own bad input'
+	@echo 'make install  set up .venv alone  (PYTHON=python3.12 picks the interpreter)'
+	@echo 'make lock     requirements.lock anew from pyproject.toml (needs uv)'
+	@echo 'make clean    remove .venv, caches and the demo'
+
+install: .venv/project.stamp
+
+demo: install
+	mkdir -p demo
+	$(BIN)/vaultcad scan groin -o demo/room.laz
+	$(BIN)/vaultcad fit demo/room.laz -o demo/groin
+	@echo 'The scan is demo/room.laz; the model, the labelled scan and the report are in demo/groin (open demo/groin/report.html).'
+
+test: check
+	$(BIN)/python -m pytest $(WORKERS) $(ARGS)
+
+check: install
+	$(BIN)/python -m ruff check
+	$(BIN)/python -m ruff format --check
+	$(BIN)/python -m mypy
+	$(BIN)/lint-imports
+
+format: install
+	$(BIN)/python -m ruff check --fix
+	$(BIN)/python -m ruff format
+
+bench: install
+	$(BIN)/python -m bench $(ARGS)
+
+fuzz: install
+	$(BIN)/python -m pytest tests/fuzz $(ARGS)
+
+# No --upgrade: what the lock holds already stays as it is.
+lock:
+	@command -v uv >/dev/null || { echo 'make lock needs uv: python3 -m pip install uv' >&2; exit 1; }
+	uv pip compile pyproject.toml --extra dev --universal --python-version 3.11 --generate-hashes \
+		--no-emit-index-url --no-emit-find-links --no-annotate --no-header --quiet -o requirements.lock
+
+clean:
+	rm -rf .venv demo build *.egg-info .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# compileall's exit status says only that some package ships a template which is no Python.
+.venv/packages.stamp: requirements.lock
+	@"$(PYTHON)" -c '$(SUPPORTED)' 2>/dev/null || { echo 'vaultcad needs Python 3.11, 3.12 or 3.13: make PYTHON=/path/to/python3' >&2; exit 1; }
+	@"$(PYTHON)" tools/system.py
+	@$(BIN)/python -m pip --version >/dev/null 2>&1 || "$(PYTHON)" -m venv --clear .venv
+	$(BIN)/python -m pip install --quiet --no-input --disable-pip-version-check --no-compile --only-binary :all: \
+		--no-deps --require-hashes -r requirements.lock
+	@$(BIN)/python -m compileall -qq -j 0 .venv/lib || true
+	@touch $@
+
+.venv/project.stamp: pyproject.toml .venv/packages.stamp
+	$(BIN)/python -m pip install --quiet --no-input --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
