@@ -50,9 +50,14 @@ def main() -> None:
     install = ["apt-get", "install", "-y", "--no-install-recommends", *packages]
     if os.geteuid() != 0:
         sys.exit(f"vaultcad needs {', '.join(lacking)}: sudo apt-get update && sudo {' '.join(install)}")
+    sys.stdout.write(f"{' '.join(install)}\n")
     environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
-    for command in (["apt-get", "update", "-q"], ["apt-get", "install", "-q", *install[2:]]):
-        if subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, check=False).returncode:
+    for command in (["apt-get", "update"], install):
+        run = subprocess.run(
+            [*command, "-qq"], env=environment, stdin=subprocess.DEVNULL, capture_output=True, check=False
+        )
+        if run.returncode:
+            sys.stderr.write(run.stderr.decode(errors="replace"))
             sys.exit(f"`{' '.join(command)}` failed; vaultcad needs {', '.join(lacking)}")
     if lacking := missing():
         sys.exit(f"vaultcad still lacks {', '.join(lacking)} after `{' '.join(install)}`")
