@@ -1,0 +1,67 @@
+"""Models made by hand from every family, with made-up deviations: what the exporters' tests write and read back."""
+
+import dataclasses
+from collections.abc import Callable
+from math import radians
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from families import FAMILIES, Vault, family
+from families.parameters import derived_declarations
+from vaultcad.model import Component, Deviation, Estimate, FittedVault, Model, Pose
+
+IDS = tuple(cls.id for cls in FAMILIES)
+
+
+def deviation(scale: float = 0.01) -> Deviation:
+    within = {0.01: 0.61, 0.03: 0.95, 0.06: 0.998}
+    return Deviation(mean=scale, rms=1.2 * scale, p95=2.4 * scale, max=6 * scale, within=within, loa="LOA20")
+
+
+def estimates(vault: Vault) -> dict[str, Estimate]:
+    values = vault.values()
+    found = {p.name: Estimate(values[p.name], p.range.unit, 0.002, p.range.meaning) for p in vault.parameters()}
+    declared = derived_declarations(type(vault))
+    for name, value in vault.derived_values().items():
+        found[name] = Estimate(value, declared[name].unit, None, declared[name].meaning, derived=True)
+    return found | {"yaw": Estimate(radians(25), "rad", radians(0.02), "turn about the vertical")}
+
+
+def fitted(vault: Vault, pose: Pose) -> FittedVault:
+    components = tuple(
+        Component(k, name, 1000 * k, deviation(0.004 * k), 0.9) for k, name in enumerate(vault.components, 1)
+    )
+    return FittedVault(
+        vault=vault,
+        pose=pose,
+        confidence=0.97,
+        alternatives=(("barrel", 0.4), ("sail", 0.1)),
+        parameters=estimates(vault),
+        components=components,
+        deviation=deviation(),
+        coverage=0.93,
+    )
+
+
+@pytest.fixture(scope="session")
+def make_model() -> Callable[..., Model]:
+    """A model of one vault by its family's id; further fields of `Model` as keywords."""
+    made: dict[str, Model] = {}
+
+    def make(name: str, **changes: object) -> Model:
+        if name not in made:  # the same value every time, so that its solid is made once
+            made[name] = Model(
+                scan=Path(f"scan of a {name}.laz"),
+                points=123_456,
+                bounds=np.array([[0.0, 0.0, 0.0], [9.0, 8.0, 7.0]]),
+                origin=np.zeros(3),
+                vaults=(fitted(family(name)(), Pose(4.0, 3.0, 2.5, radians(25))),),
+                settings={"family": "auto", "seed": 0},
+                versions={"vaultcad": "0.1.0", "numpy": "2"},
+                seconds={"read": 1.2345, "fit": 2.5},
+            )
+        return dataclasses.replace(made[name], **changes) if changes else made[name]
+
+    return make

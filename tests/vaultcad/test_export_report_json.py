@@ -1,0 +1,70 @@
+import dataclasses
+import json
+from math import degrees, nan
+
+import numpy as np
+import pytest
+
+from families import FAMILIES
+from vaultcad.export.report_json import report, write_report_json
+
+IDS = [cls.id for cls in FAMILIES]
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_the_file_holds_the_contract(name, make_model, tmp_path):
+    model = make_model(name)
+    write_report_json(model, tmp_path / "report.json")
+    told = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    assert told["schema"] == 1
+    assert told["scan"] == {"path": f"scan of a {name}.laz", "points": 123456, "bounds": [[0, 0, 0], [9, 8, 7]]}
+    (vault,) = told["vaults"]
+    (fitted,) = model.vaults
+    assert vault["family"] == name
+    assert [c["name"] for c in vault["components"]] == list(fitted.vault.components)
+    assert [c["id"] for c in vault["components"]] == list(range(1, len(fitted.vault.components) + 1))
+    for parameter, value in fitted.vault.values().items():
+        assert vault["parameters"][parameter]["value"] == pytest.approx(value, abs=1e-6)
+        assert "derived" not in vault["parameters"][parameter]
+    for size, value in fitted.vault.derived_values().items():
+        assert vault["parameters"][size] == {
+            "value": pytest.approx(value, abs=1e-6),
+            "unit": "m",
+            "std": None,
+            "derived": True,
+        }
+    assert vault["deviation"]["within"] == {"0.01": 0.61, "0.03": 0.95, "0.06": 0.998}
+    assert vault["alternatives"][0] == {"family": "barrel", "score": 0.4}
+
+
+def test_angles_are_told_in_degrees(make_model):
+    model = make_model("groin")
+    (vault,) = report(model)["vaults"]
+    assert vault["parameters"]["yaw"] == {"value": 25.0, "unit": "deg", "std": pytest.approx(0.02)}
+    assert vault["pose"]["yaw_deg"] == pytest.approx(degrees(model.vaults[0].pose.yaw))
+
+
+def test_the_pose_is_in_the_scans_own_coordinates(make_model):
+    model = make_model("sail", origin=np.array([500_000.0, 5_000_000.0, 100.0]))
+    assert report(model)["vaults"][0]["pose"]["origin"] == [500_004.0, 5_000_003.0, 102.5]
+
+
+def test_all_but_the_seconds_is_reproducible(make_model):
+    quick, slow = (report(make_model("dome", seconds={"fit": t})) for t in (1.0, 2.0))
+    assert quick.pop("seconds") != slow.pop("seconds")
+    assert json.dumps(quick) == json.dumps(slow)
+
+
+def test_what_is_no_number_becomes_null(make_model, tmp_path):
+    model = make_model("barrel")
+    blind = dataclasses.replace(model.vaults[0], deviation=dataclasses.replace(model.vaults[0].deviation, p95=nan))
+    write_report_json(dataclasses.replace(model, vaults=(blind,)), tmp_path / "report.json")
+    told = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
+    assert told["vaults"][0]["deviation"]["p95"] is None
+
+
+def test_settings_of_any_kind_are_written(make_model, tmp_path):
+    settings = {"path": tmp_path, "limit": float("inf"), "sizes": (1, 2.5), "inner": {"on": True, "none": None}}
+    told = report(make_model("trough", settings=settings))["settings"]
+    expected = {"path": str(tmp_path), "limit": "inf", "sizes": [1, 2.5], "inner": {"on": True, "none": None}}
+    assert told == expected

@@ -1,0 +1,127 @@
+"""report.json: all numbers of a model, in the scan's own coordinates, under stable keys (schema 1)."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Iterable, Mapping
+from math import degrees, isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from families import Profile, Vault
+from vaultcad.model import Component, Deviation, Estimate, FittedVault, Model
+
+SCHEMA = 1
+DECIMALS = 6  # of metres and of shares: a micrometre, well below what any scan can tell
+SHOWN_AS = {"rad": ("deg", degrees)}  # units that people do not read, and what is written in their place
+
+
+def report(model: Model) -> dict[str, Any]:
+    """The content of report.json as plain values; everything outside the key "seconds" is reproducible."""
+    return {
+        "schema": SCHEMA,
+        "scan": {"path": str(model.scan), "points": int(model.points), "bounds": [_row(row) for row in model.bounds]},
+        "origin": _row(model.origin),
+        "settings": plain(model.settings),
+        "versions": dict(sorted(model.versions.items())),
+        "thickness": _number(model.thickness),
+        "vaults": [_vault(fitted, model) for fitted in model.vaults],
+        "seconds": {stage: round(t, 3) for stage, t in model.seconds.items()},
+    }
+
+
+def write_report_json(model: Model, path: Path) -> None:
+    """Write `report(model)` as indented UTF-8 JSON."""
+    path.write_text(json.dumps(report(model), indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def shown(estimate: Estimate) -> Estimate:
+    """The estimate in the unit that people read: degrees for radians."""
+    if estimate.unit not in SHOWN_AS:
+        return estimate
+    unit, convert = SHOWN_AS[estimate.unit]
+    std = None if estimate.std is None else convert(estimate.std)
+    return dataclasses.replace(estimate, value=convert(estimate.value), unit=unit, std=std)
+
+
+def profiles(vault: Vault) -> dict[str, str]:
+    """Field -> id of the arch profiles that a vault is made with."""
+    fields = ((f.name, getattr(vault, f.name)) for f in dataclasses.fields(vault))
+    return {name: value.id for name, value in fields if isinstance(value, Profile)}
+
+
+def plain(value: Any) -> Any:
+    """Settings as JSON knows them: mappings, lists, numbers, strings; anything else by its string."""
+    match value:
+        case Mapping():
+            return {str(k): plain(v) for k, v in value.items()}
+        case list() | tuple():
+            return [plain(v) for v in value]
+        case bool() | int() | str() | None:
+            return value
+        case float():
+            return value if isfinite(value) else str(value)
+        case np.generic():
+            return plain(value.item())
+        case _:
+            return str(value)
+
+
+def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
+    pose, origin = fitted.pose, model.origin
+    return {
+        "family": fitted.vault.id,
+        "confidence": _number(fitted.confidence),
+        "alternatives": [{"family": name, "score": _number(score)} for name, score in fitted.alternatives],
+        "converged": fitted.converged,
+        "pose": {
+            "origin": _row((pose.x + origin[0], pose.y + origin[1], pose.z + origin[2])),
+            "yaw_deg": _number(degrees(pose.yaw)),
+            "tilt_deg": 0.0,  # a pose turns about the vertical only
+        },
+        "profiles": profiles(fitted.vault),
+        "parameters": {name: _estimate(value) for name, value in fitted.parameters.items()},
+        "components": [_component(c) for c in fitted.components],
+        "deviation": _deviation(fitted.deviation),
+        "as_built": None if fitted.as_built is None else {"deviation": _deviation(fitted.as_built)},
+        "coverage": _number(fitted.coverage),
+    }
+
+
+def _estimate(estimate: Estimate) -> dict[str, Any]:
+    e = shown(estimate)
+    row: dict[str, Any] = {"value": _number(e.value), "unit": e.unit, "std": _number(e.std)}
+    return row | {"derived": True} if e.derived else row
+
+
+def _component(component: Component) -> dict[str, Any]:
+    return {
+        "id": int(component.id),
+        "name": component.name,
+        "points": int(component.points),
+        "deviation": None if component.deviation is None else _deviation(component.deviation),
+        "coverage": _number(component.coverage),
+    }
+
+
+def _deviation(deviation: Deviation) -> dict[str, Any]:
+    return {
+        "mean": _number(deviation.mean),
+        "rms": _number(deviation.rms),
+        "p95": _number(deviation.p95),
+        "max": _number(deviation.max),
+        "within": {f"{limit:g}": _number(share) for limit, share in sorted(deviation.within.items())},
+        "loa": deviation.loa,
+    }
+
+
+def _row(values: Iterable[float]) -> list[float | None]:
+    return [_number(v) for v in values]
+
+
+def _number(value: float | None) -> float | None:
+    """Rounded; None for what is unknown or no number. Never -0.0."""
+    return None if value is None or not isfinite(value) else round(float(value), DECIMALS) + 0.0
