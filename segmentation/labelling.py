@@ -1,0 +1,172 @@
+"""The label of every point of the full cloud, in one pass over chunks that threads share."""
+
+from __future__ import annotations
+
+import math
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from segmentation.primitives_numeric import signed
+from segmentation.ransac_cloud import WorkingCloud
+from segmentation.ransac_search import Shapes, measure
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+CHUNK = 1 << 18  # points a thread labels at a time
+CANDIDATES = 6  # components that may meet within one cell and its neighbours
+ONE_SIDED = 0.9  # share of a primitive's cells on one side of another from which the two are known to bound each other
+_BITS = 21
+
+
+@dataclass(frozen=True, eq=False)
+class Regions:
+    """Where each component may be: what the pass asks for at each cell.
+
+    candidates: (m, CANDIDATES) components near the cell, 0 padded. owner: (c + 1,) primitive of each component.
+    side: (k, k) +1 or -1 for the side of primitive b that a's points lie on, 0 where they lie on both.
+    """
+
+    candidates: Ints
+    owner: Ints
+    side: Floats
+
+
+def regions(cloud: WorkingCloud, labels: Ints, components: Ints, shapes: Shapes) -> Regions:
+    """What the cells tell about the points in them, from their primitives (m,) and components (m,)."""
+    count = int(components.max(initial=0))
+    owner = np.zeros(count + 1, dtype=np.int64)
+    owner[components] = labels
+    everyone = np.arange(len(cloud))
+    tail, head = np.concatenate((cloud.tail, everyone)), np.concatenate((cloud.head, everyone))
+    pair = np.unique(tail * (count + 1) + components[head])
+    pair = pair[pair % (count + 1) > 0]
+    cell, component = pair // (count + 1), pair % (count + 1)
+    rank = np.arange(len(pair)) - np.searchsorted(cell, cell)
+    kept = rank < CANDIDATES
+    candidates = np.zeros((len(cloud), CANDIDATES), dtype=np.int64)
+    candidates[cell[kept], rank[kept]] = component[kept]
+    return Regions(candidates, owner, _sides(cloud, labels, shapes))
+
+
+def _sides(cloud: WorkingCloud, labels: Ints, shapes: Shapes) -> Floats:
+    """On which side of primitive b the points of a lie, (k, k), from cells near both."""
+    side = np.zeros((len(shapes), len(shapes)))
+    distance, _ = measure(shapes, cloud.mean, cloud.normal)
+    reach = 6.0 * cloud.size
+    for a in range(len(shapes)):
+        mine = labels == a
+        for b in range(len(shapes)):
+            near = distance[b, mine & (np.abs(distance[b]) < reach)]
+            if a != b and len(near):
+                positive = float((np.sign(near) * np.abs(near)).sum() / np.abs(near).sum())
+                side[a, b] = math.copysign(1.0, positive) if abs(positive) > 2.0 * ONE_SIDED - 1.0 else 0.0
+    return side
+
+
+def label_points(
+    xyz: NDArray[np.floating], cloud: WorkingCloud, shapes: Shapes, found: Regions, components: Ints
+) -> tuple[NDArray[np.uint16], Ints, Floats]:
+    """Labels (n,) of points (n, 3) [m], and of each component the points and the sum of squared distances [m²], (c + 1,).
+
+    A point goes to the component whose primitive is nearest, of those in its cell and the cells around, within epsilon; where two
+    primitives bound each other, to the one it belongs to by side, on which noise has no influence.
+    """
+    lattice = np.floor(cloud.raw / cloud.size).astype(np.int64)
+    low = lattice.min(axis=0)
+    lattice -= low
+    keys = (lattice[:, 0] << 2 * _BITS) | (lattice[:, 1] << _BITS) | lattice[:, 2]
+    table = np.full(1 << (2 * len(keys)).bit_length(), -1, dtype=np.int32)
+    _index(keys, table)
+    ends = np.searchsorted(cloud.tail, np.arange(len(cloud) + 1))
+    labels = np.zeros(len(xyz), dtype=np.uint16)
+    width = len(found.owner)
+
+    def work(start: int) -> tuple[Ints, Floats]:
+        count, square = np.zeros(width, dtype=np.int64), np.zeros(width)
+        stop = min(start + CHUNK, len(xyz))
+        _label(
+            xyz[start:stop], labels[start:stop], cloud.size, low, keys, table, found.candidates, found.owner, found.side,
+            shapes.kinds, shapes.rows, cloud.epsilon, ends, cloud.head, cloud.raw, components, count, square,
+        )  # fmt: skip
+        return count, square
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        parts = list(pool.map(work, range(0, len(xyz), CHUNK)))
+    none = np.zeros(width, dtype=np.int64), np.zeros(width)
+    return labels, sum((part[0] for part in parts), none[0]), sum((part[1] for part in parts), none[1])
+
+
+@njit(cache=True, nogil=True)
+def _slot(table: NDArray[np.int32], keys: Ints, key: int) -> int:
+    """Where the key stands in the open-addressed table, or would."""
+    mask = len(table) - 1
+    slot = np.int64((np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(32)) & mask
+    while table[slot] >= 0 and keys[table[slot]] != key:
+        slot = (slot + 1) & mask
+    return slot
+
+
+@njit(cache=True, nogil=True)
+def _index(keys: Ints, table: NDArray[np.int32]) -> None:
+    for i in range(len(keys)):
+        table[_slot(table, keys, keys[i])] = i
+
+
+@njit(cache=True, nogil=True)
+def _label(
+    xyz: NDArray[np.floating], labels: NDArray[np.uint16], size: float, low: Ints, keys: Ints, table: NDArray[np.int32],
+    candidates: Ints, owner: Ints, side: Floats, kinds: Ints, rows: Floats, epsilon: float,
+    ends: Ints, head: Ints, raw: Floats, components: Ints, count: Ints, square: Floats,
+) -> None:  # fmt: skip
+    last, cell = np.int64(-1), np.int64(-1)
+    for i in range(len(xyz)):
+        x, y, z = float(xyz[i, 0]), float(xyz[i, 1]), float(xyz[i, 2])
+        if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
+            continue
+        kx, ky, kz = np.int64(math.floor(x / size)) - low[0], np.int64(math.floor(y / size)) - low[1], np.int64(math.floor(z / size)) - low[2]
+        key = (kx << (2 * _BITS)) | (ky << _BITS) | kz
+        if key != last:
+            cell = np.int64(table[_slot(table, keys, key)])
+            last = key
+        best, best_distance, shared = 0, 0.0, False
+        for c in range(CANDIDATES):
+            candidate = candidates[cell, c]
+            if candidate == 0:
+                break
+            p = owner[candidate]
+            if best > 0 and owner[best] == p:
+                shared = True
+                continue
+            d = signed(kinds[p], rows[p], x, y, z)
+            if abs(d) > epsilon:
+                continue
+            if best > 0:
+                q = owner[best]
+                if side[p, q] != 0.0 and side[q, p] != 0.0:
+                    wins = side[p, q] * best_distance > side[q, p] * d
+                else:
+                    wins = abs(d) < abs(best_distance)
+                if not wins:
+                    continue
+            shared = False
+            best, best_distance = candidate, d
+        if best == 0:
+            continue
+        if shared:
+            nearest = math.inf
+            for e in range(ends[cell] - 1, ends[cell + 1]):
+                other = cell if e < ends[cell] else head[e]
+                if components[other] > 0 and owner[components[other]] == owner[best]:
+                    gap = (raw[other, 0] - x) ** 2 + (raw[other, 1] - y) ** 2 + (raw[other, 2] - z) ** 2
+                    if gap < nearest:
+                        nearest = gap
+                        best = components[other]
+        labels[i] = best
+        count[best] += 1
+        square[best] += best_distance * best_distance

@@ -1,0 +1,122 @@
+"""The working cloud of RANSAC: one cell of a grid, one point. Some tens of thousands of points stand for the whole scan."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from segmentation.settings import Settings
+from segmentation.voxel import thin
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+TARGET = 24_000  # cells aimed at: small parts keep hundreds of points, and a pass over all takes a millisecond
+PROBE = 40_000  # points that the first look at the cloud takes
+NORMAL_NEIGHBOURS = 20
+MISFIT = 1 / 400  # masonry departs from its ideal by this share of its size; epsilon allows that
+STEPS = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1], indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class WorkingCloud:
+    """Cells in Morton order, so that a cell of an octree is a run of them.
+
+    mean: (m, 3) means [m], sagitta and noise averaged. raw: (m, 3) one true point of each. normal: (m, 3) unit, NaN where unknown.
+    count: (m,) points. cell: (m, 3) grid coordinates. code: (m,) Morton codes, ascending. size: edge of a cell [m].
+    tail, head: (e,) edges of the graph of touching cells, both directions.
+    """
+
+    mean: Floats
+    raw: Floats
+    normal: Floats
+    count: Ints
+    cell: Ints
+    code: Ints
+    size: float
+    tail: Ints
+    head: Ints
+    epsilon: float
+    min_points: int
+
+    def __len__(self) -> int:
+        return len(self.mean)
+
+
+def working_cloud(xyz: Floats, normals: Floats | None, settings: Settings) -> WorkingCloud | None:
+    """Thin the cloud (n, 3) [m] to about `TARGET` cells and join what touches; None if fewer than four cells are occupied."""
+    probe = np.asarray(xyz[:: max(1, len(xyz) // PROBE)], dtype=np.float64)
+    probe = probe[np.isfinite(probe).all(axis=1)]
+    if len(probe) < 4:
+        return None
+    size, extent = _cell_size(probe, len(xyz), settings)
+    thinned = thin(xyz, size)
+    if len(thinned) < 4:
+        return None
+    raw = np.asarray(xyz[thinned.first], dtype=np.float64)
+    cell = np.floor(raw / size).astype(np.int64)
+    cell -= cell.min(axis=0)
+    code = _morton(cell)
+    order = np.argsort(code, kind="stable")
+    mean, raw, cell, code, count = (a[order] for a in (np.asarray(thinned.xyz, dtype=np.float64), raw, cell, code, thinned.count))
+    tail, head = touching(cell)
+    normal = _normals(mean, None if normals is None else normals[thinned.first[order]])
+    epsilon = settings.epsilon or max(MISFIT * extent, 1e-6)
+    return WorkingCloud(mean, raw, normal, count, cell, code, size, tail, head, epsilon, settings.min_points(int(count.sum())))
+
+
+def _cell_size(probe: Floats, points: int, settings: Settings) -> tuple[float, float]:
+    """Edge of a cell [m] and extent of the cloud [m], outliers aside."""
+    low, high = np.percentile(probe, (0.5, 99.5), axis=0)
+    extent = float(np.linalg.norm(high - low)) or 1.0
+    coarse = extent / 50.0
+    inside = probe[((probe >= low - coarse) & (probe <= high + coarse)).all(axis=1)]
+    cells = len(np.unique(np.floor(inside / coarse).astype(np.int64), axis=0))
+    area = cells * coarse**2 / 1.5  # a slanting surface meets about 1.5 cells a square
+    spacing = math.sqrt(area / points)
+    wanted = settings.beta / 2.0 if settings.beta else math.sqrt(1.5 * area / TARGET)
+    return max(wanted, 2.0 * spacing, extent * 1e-4), extent
+
+
+def _normals(mean: Floats, given: Floats | None) -> Floats:
+    """Unit normals of the cells, the given ones or estimated; NaN where unknown."""
+    if given is None:
+        from segmentation.normals import estimate
+
+        return np.asarray(estimate(mean, NORMAL_NEIGHBOURS), dtype=np.float64)
+    normal = np.asarray(given, dtype=np.float64)
+    length = np.sqrt((normal**2).sum(axis=1))[:, None]
+    return normal / np.where(length > 0.0, length, np.nan)
+
+
+def _morton(cell: Ints) -> Ints:
+    """Interleaved bits of grid coordinates (m, 3) below 2^21."""
+    code = np.zeros(len(cell), dtype=np.int64)
+    for axis in range(3):
+        x = cell[:, axis].copy()
+        for shift, mask in ((32, 0x1F00000000FFFF), (16, 0x1F0000FF0000FF), (8, 0x100F00F00F00F00F), (4, 0x10C30C30C30C30C3), (2, 0x1249249249249249)):
+            x = (x | (x << shift)) & mask
+        code |= x << axis
+    return code
+
+
+def touching(cell: Ints) -> tuple[Ints, Ints]:
+    """Edges (e,), (e,) between cells (m, 3) that share a corner, both directions, ascending by tail."""
+    span = cell.max(axis=0) + 3
+    key = ((cell[:, 0] + 1) * span[1] + cell[:, 1] + 1) * span[2] + cell[:, 2] + 1
+    order = np.argsort(key)
+    ascending = key[order]
+    tails, heads = [], []
+    for step in STEPS[STEPS @ np.array([9, 3, 1]) > 0]:
+        wanted = ascending + (step[0] * span[1] + step[1]) * span[2] + step[2]
+        place = np.minimum(np.searchsorted(ascending, wanted), len(key) - 1)
+        found = np.flatnonzero(ascending[place] == wanted)
+        tails.append(order[found])
+        heads.append(order[place[found]])
+    tail, head = np.concatenate(tails), np.concatenate(heads)
+    tail, head = np.concatenate((tail, head)), np.concatenate((head, tail))
+    by_tail = np.lexsort((head, tail))
+    return tail[by_tail], head[by_tail]

@@ -1,0 +1,143 @@
+"""Hypotheses: which primitives may be in the cloud, drawn where nothing is explained yet.
+
+A round draws minimal sets within cells of an octree (localised sampling), scores them lazily on growing subsets of the unexplained
+points, keeps a few that explain different points, polishes those by robust least squares and takes them in the order of what each
+adds. Source: Schnabel, Wahl and Klein 2007; local optimisation: Chum, Matas and Kittler 2003.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from segmentation.primitives_numeric import residuals
+from segmentation.primitives_sample import MINIMAL_SETS
+from segmentation.ransac_cloud import WorkingCloud
+from segmentation.refine import least_squares
+from segmentation.settings import Settings
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+DRAWS = 384  # minimal sets of each kind in a round
+FIRST, SECOND = 256, 1024  # unexplained points that the lazy scores look at
+FINALISTS = 12  # hypotheses of a round that are polished
+LOCAL_SUCCESS = 0.1  # share of localised sets on one primitive whose points do lie on it alone
+EMPTY = (np.empty(0, dtype=np.int64), np.empty((0, 8)))
+
+
+@dataclass(frozen=True, eq=False)
+class Shapes:
+    """Primitives of a cloud in flat form: kinds (k,), rows (k, 8)."""
+
+    kinds: Ints
+    rows: Floats
+
+    def __len__(self) -> int:
+        return len(self.kinds)
+
+    def take(self, which: NDArray[np.int64] | NDArray[np.bool_]) -> "Shapes":
+        """Those at the indices or where the mask is true."""
+        return Shapes(self.kinds[which], self.rows[which])
+
+    def joined(self, other: "Shapes") -> "Shapes":
+        """These, then the others."""
+        return Shapes(np.concatenate((self.kinds, other.kinds)), np.concatenate((self.rows, other.rows)))
+
+
+def measure(shapes: Shapes, xyz: Floats, normals: Floats) -> tuple[Floats, Floats]:
+    """Signed distances (k, n) [m] and |cos| (k, n) of the angles between normals; NaN cosines count as right."""
+    distance, cosine = np.empty((len(shapes), len(xyz))), np.empty((len(shapes), len(xyz)))
+    residuals(shapes.kinds, shapes.rows, xyz, normals, distance, cosine)
+    return distance, np.where(np.isnan(cosine), 1.0, cosine)
+
+
+def support(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, cos_alpha: float) -> Floats:
+    """How well each primitive explains each point, (k, n) in [0, 1]: 1 within epsilon / 2, falling to 0 at epsilon, 0 beyond alpha."""
+    distance, cosine = measure(shapes, xyz, normals)
+    share = np.clip(2.0 - 2.0 * np.abs(distance) / epsilon, 0.0, 1.0)
+    return np.where(cosine >= cos_alpha, share, 0.0)
+
+
+def spread(count: int, wanted: int) -> Ints:
+    """Indices of at most `wanted` of `count` things in Morton order, evenly apart: a subset that covers the cloud."""
+    return np.arange(count) if count <= wanted else (np.arange(wanted) * count) // wanted
+
+
+def sizes_of(kinds: Ints, settings: Settings) -> Floats:
+    """Bounds of the first sizes, (k, 2)."""
+    return np.array([settings.size_limits(int(kind)) for kind in kinds]).reshape(-1, 2)
+
+
+def search_round(
+    cloud: WorkingCloud, active: Ints, epsilon: float, floor: float, settings: Settings, rng: np.random.Generator
+) -> Shapes:
+    """Primitives that each explain more than `floor` of the cells `active` (a,), ascending, which nothing else explains."""
+    cos_alpha = math.cos(settings.alpha)
+    hypotheses = _draw(cloud, active, settings, rng)
+    if len(hypotheses) == 0:
+        return hypotheses
+    xyz, normals = cloud.mean[active], cloud.normal[active]
+    few, many = spread(len(active), FIRST), spread(len(active), SECOND)
+    total = support(hypotheses, xyz[few], normals[few], epsilon, cos_alpha).sum(axis=1)
+    hypotheses = hypotheses.take(np.argsort(-total, kind="stable")[: len(hypotheses) // 4 + 1])
+    share = support(hypotheses, xyz[many], normals[many], epsilon, cos_alpha)
+    finalists = hypotheses.take(greedy(share, 1.0, FINALISTS))
+    finalists = polish(finalists, xyz[many], normals[many], epsilon, settings)
+    share = support(finalists, xyz, normals, epsilon, cos_alpha)
+    return finalists.take(greedy(share, floor, len(finalists)))
+
+
+def greedy(share: Floats, floor: float, most: int) -> Ints:
+    """Rows of share (k, n) that add most to the pointwise maximum, one after the other, while each adds more than `floor`."""
+    best = np.zeros(share.shape[1])
+    chosen: list[int] = []
+    while len(chosen) < most:
+        gain = np.maximum(share - best, 0.0).sum(axis=1)
+        k = int(np.argmax(gain))
+        if gain[k] <= floor:
+            break
+        chosen.append(k)
+        best = np.maximum(best, share[k])
+    return np.array(chosen, dtype=np.int64)
+
+
+def polish(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, settings: Settings) -> Shapes:
+    """Robust least squares (Tukey's weights, two rounds) on points (n, 3) within epsilon and alpha of each primitive."""
+    sizes, cos_alpha = sizes_of(shapes.kinds, settings), math.cos(settings.alpha)
+    for _ in range(2):
+        distance, cosine = measure(shapes, xyz, normals)
+        weights = np.clip(1.0 - (distance / epsilon) ** 2, 0.0, 1.0) ** 2 * (cosine >= cos_alpha)
+        shapes = Shapes(shapes.kinds, least_squares(shapes.kinds, shapes.rows, xyz, weights, sizes, iterations=3))
+    return shapes
+
+
+def _draw(cloud: WorkingCloud, active: Ints, settings: Settings, rng: np.random.Generator) -> Shapes:
+    """Primitives through minimal sets, each within one octree cell of random level, seeds stratified over the active cells."""
+    active = active[np.isfinite(cloud.normal[active]).all(axis=1)]
+    if len(active) < 4:
+        return Shapes(*EMPTY)
+    code = cloud.code[active]
+    levels = max(3, math.ceil(math.log2(int(cloud.cell.max()) + 1)))
+    found = Shapes(*EMPTY)
+    for kind in settings.kinds:
+        size = MINIMAL_SETS[kind].size
+        seed = np.minimum(((np.arange(DRAWS) + rng.random(DRAWS)) * len(active) / DRAWS).astype(np.int64), len(active) - 1)
+        shift = 3 * rng.integers(2, levels + 1, DRAWS)
+        start = (code[seed] >> shift) << shift
+        low, high = np.searchsorted(code, start), np.searchsorted(code, start + (np.int64(1) << shift))
+        others = low[:, None] + (rng.random((DRAWS, size - 1)) * (high - low)[:, None]).astype(np.int64)
+        sets = active[np.concatenate((seed[:, None], others), axis=1)]
+        rows, whole = MINIMAL_SETS[kind].rows(cloud.mean[sets], cloud.normal[sets])
+        low_size, high_size = settings.size_limits(kind)
+        slack = 0.1 * low_size, 0.1 * high_size  # least squares brings the size within its limits
+        whole &= (rows[:, 6] >= low_size - slack[0]) & (rows[:, 6] <= high_size + slack[1])
+        found = found.joined(Shapes(np.full(int(whole.sum()), kind), rows[whole]))
+    return found
+
+
+def draws_needed(share: float, probability: float) -> float:
+    """Minimal sets after which a primitive with this share of the points is overlooked with at most this probability."""
+    success = min(max(share, 1e-9), 1.0) * LOCAL_SUCCESS
+    return math.log(probability) / math.log1p(-success)

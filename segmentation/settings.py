@@ -1,0 +1,87 @@
+"""The parameters of RANSAC shape detection, by the names of Schnabel, Wahl and Klein 2007."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Annotated, get_args, get_type_hints
+
+from segmentation.primitives import PRIMITIVES
+
+
+@dataclass(frozen=True)
+class Range:
+    """Closed interval of a parameter with its unit ("m", "rad", "1") and meaning."""
+
+    low: float
+    high: float
+    unit: str
+    meaning: str
+
+
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What to look for. None leaves a parameter to the cloud: its size, its spacing, its noise.
+
+    Raises ValueError, naming field, value and limits, where a value lies outside its range.
+    """
+
+    min_support: Annotated[float, Range(0.0, math.inf, "1", "points a component needs; below 1 their share of the cloud")] = 0.004
+    epsilon: Annotated[float | None, Range(1e-6, 10.0, "m", "largest distance of a point from its primitive")] = None
+    alpha: Annotated[float, Range(0.01, math.pi / 2, "rad", "largest angle between the normals of a point and its primitive")] = (
+        math.radians(25.0)
+    )
+    beta: Annotated[float | None, Range(1e-4, 100.0, "m", "sampling resolution: points nearer than this are connected")] = None
+    overlooking_probability: Annotated[float, Range(1e-9, 0.5, "1", "chance that a primitive of minimum support is missed")] = 0.01
+    sphere_r_min: Annotated[float, Range(0.0, math.inf, "m", "smallest radius of a sphere")] = 0.0
+    sphere_r_max: Annotated[float, Range(0.0, math.inf, "m", "largest radius of a sphere")] = math.inf
+    cylinder_r_min: Annotated[float, Range(0.0, math.inf, "m", "smallest radius of a cylinder")] = 0.0
+    cylinder_r_max: Annotated[float, Range(0.0, math.inf, "m", "largest radius of a cylinder")] = math.inf
+    r_tolerance: Annotated[float, Range(0.0, 1.0, "m", "by how much a radius may pass its limits, which are given rounded")] = 0.005
+    primitives: Annotated[tuple[str, ...], "kinds to look for"] = ("plane", "sphere", "cylinder")
+
+    def __post_init__(self) -> None:
+        """Refuse what lies outside the declared ranges."""
+        for name, limits in RANGES.items():
+            value = getattr(self, name)
+            if value is not None and not limits.low <= value <= limits.high:
+                raise ValueError(f"{name} = {value:g} lies outside [{limits.low:g}, {limits.high:g}] {limits.unit}")
+        for kind in ("sphere", "cylinder"):
+            low, high = getattr(self, f"{kind}_r_min"), getattr(self, f"{kind}_r_max")
+            if low > high:
+                raise ValueError(f"{kind}_r_min = {low:g} m exceeds {kind}_r_max = {high:g} m: exchange them")
+        known = [primitive.name for primitive in PRIMITIVES]
+        unknown = sorted(set(self.primitives) - set(known))
+        if unknown or not self.primitives:
+            raise ValueError(f"primitives = {self.primitives}: name at least one of {', '.join(known)}")
+
+    @property
+    def kinds(self) -> tuple[int, ...]:
+        """The kinds of `primitives_numeric` that are on, ascending."""
+        return tuple(primitive.kind for primitive in PRIMITIVES if primitive.name in self.primitives)
+
+    def size_limits(self, kind: int) -> tuple[float, float]:
+        """Bounds of the first size of a kind with their tolerance: radius [m], for a cone the half angle [rad]."""
+        name = PRIMITIVES[kind].name
+        if name in ("sphere", "cylinder"):
+            low, high = getattr(self, f"{name}_r_min"), getattr(self, f"{name}_r_max")
+            return max(low - self.r_tolerance, 0.0), high + self.r_tolerance
+        return CONE_ANGLES if name == "cone" else (0.0, math.inf)
+
+    def min_points(self, points: int) -> int:
+        """Minimum support in points, of a cloud of so many points."""
+        return max(1, math.ceil(self.min_support * points if self.min_support < 1.0 else self.min_support))
+
+
+CONE_ANGLES = (math.radians(2.0), math.radians(88.0))  # a narrower cone is a cylinder, a wider one a plane
+
+
+def _ranges() -> dict[str, Range]:
+    hints = get_type_hints(Settings, include_extras=True)
+    found = {field.name: [arg for arg in get_args(hints[field.name]) if isinstance(arg, Range)] for field in fields(Settings)}
+    return {name: ranges[0] for name, ranges in found.items() if ranges}
+
+
+RANGES = _ranges()

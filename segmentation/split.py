@@ -1,0 +1,79 @@
+"""Components: the connected regions of each primitive, cut along its intersection curves with the others.
+
+Opposite webs of a groin share a cylinder and touch at the crown; four pendentives share a sphere and touch below the drum. Gaps in the
+points do not separate them, but another primitive's points lie around every such neck: what is next to another primitive is taken
+away, what is left falls into components, and these grow back over what was taken.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from segmentation.ransac_cloud import WorkingCloud
+
+Ints = NDArray[np.int64]
+
+MARGIN = 2  # cells next to another primitive that are taken away
+SMALLEST_CORE = 0.25  # of the minimum support; a smaller core grows out of its neighbours again
+SWEEPS = 1000
+
+
+def split(cloud: WorkingCloud, labels: Ints) -> Ints:
+    """Components (m,) of the cells, 0 for none, counted by the primitives `labels` (m,), -1 for none, in ascending order.
+
+    A component has the minimum support; what is connected to none that has, is 0.
+    """
+    same = labels[cloud.tail] == labels[cloud.head]
+    boundary = ~same & (labels[cloud.tail] >= 0) & (labels[cloud.head] >= 0)
+    inside = labels >= 0
+    taken = np.zeros(len(labels), dtype=np.bool_)
+    taken[cloud.tail[boundary]] = True
+    for _ in range(MARGIN - 1):
+        taken[cloud.tail[same & taken[cloud.head]]] = True
+    cores = _components(cloud, labels, inside & ~taken, SMALLEST_CORE * cloud.min_points)
+    grown = _grow(cloud, labels, cores)
+    rest = inside & (grown == 0)
+    extra = _components(cloud, labels, rest, cloud.min_points)
+    grown = np.where(extra > 0, extra + grown.max(initial=0), grown)
+    points = np.bincount(grown, weights=cloud.count, minlength=1)
+    kept = points >= cloud.min_points
+    kept[0] = False
+    owner = np.zeros(len(kept), dtype=np.int64)
+    owner[grown] = labels
+    order = np.flatnonzero(kept)
+    order = order[np.lexsort((-points[order], owner[order]))]
+    number = np.zeros(len(kept), dtype=np.int64)
+    number[order] = np.arange(1, len(order) + 1)
+    return number[grown]
+
+
+def _components(cloud: WorkingCloud, labels: Ints, among: NDArray[np.bool_], smallest: float) -> Ints:
+    """Connected components (m,) of the cells `among` (m,) with equal labels and at least `smallest` points; 0 for none."""
+    joined = (labels[cloud.tail] == labels[cloud.head]) & among[cloud.tail] & among[cloud.head]
+    size = len(labels)
+    graph = csr_array((np.ones(int(joined.sum()), dtype=np.int8), (cloud.tail[joined], cloud.head[joined])), shape=(size, size))
+    _, component = connected_components(graph, directed=False)
+    points = np.bincount(component, weights=cloud.count * among)
+    large = (points >= smallest) & (points > 0.0)
+    number = np.cumsum(large) * large
+    return np.where(among, number[component], 0)
+
+
+def _grow(cloud: WorkingCloud, labels: Ints, cores: Ints) -> Ints:
+    """Cores grown, ring by ring, over the cells of their own primitive; between two, the one that touches a cell more often."""
+    grown = cores.copy()
+    same = labels[cloud.tail] == labels[cloud.head]
+    tail, head = cloud.tail[same], cloud.head[same]
+    width = int(cores.max(initial=0)) + 1
+    for _ in range(SWEEPS):
+        front = (grown[tail] == 0) & (grown[head] > 0)
+        if not front.any():
+            break
+        vote = np.bincount(tail[front] * width + grown[head[front]])
+        pair = np.flatnonzero(vote)
+        cell = pair // width
+        best = np.lexsort((pair % width, -vote[pair], cell))
+        first = np.concatenate(([True], np.diff(cell[best]) > 0))
+        grown[cell[best][first]] = (pair % width)[best][first]
+    return grown
