@@ -33,6 +33,11 @@ class Barrel:
     crown_rise: float = 0.0
     half_length: float = 1.0
 
+    @property
+    def top(self) -> float:
+        """Highest point [m]."""
+        return self.base + self.curve.rise + self.crown_rise
+
     def grown(self, thickness: float) -> Barrel:
         """With all radii larger by `thickness` [m]."""
         return replace(self, curve=self.curve.grown(thickness))
@@ -45,6 +50,11 @@ class Ball:
     z: float
     radius: float
     names: tuple[str, ...]
+
+    @property
+    def top(self) -> float:
+        """Highest point [m]."""
+        return self.z + self.radius
 
     def grown(self, thickness: float) -> Ball:
         """With a radius larger by `thickness` [m]."""
@@ -60,6 +70,11 @@ class Turned:
     foot: float
     names: tuple[str, str]
 
+    @property
+    def top(self) -> float:
+        """Highest point [m]."""
+        return self.base + self.curve.rise
+
     def grown(self, thickness: float) -> Turned:
         """With all radii larger by `thickness` [m]."""
         return replace(self, curve=self.curve.grown(thickness))
@@ -72,6 +87,11 @@ class Ceiling:
     z: float
     names: tuple[str]
 
+    @property
+    def top(self) -> float:
+        """Highest point [m]."""
+        return self.z
+
     def grown(self, thickness: float) -> Ceiling:
         """Higher by `thickness` [m]."""
         return replace(self, z=self.z + thickness)
@@ -82,6 +102,11 @@ class Lid:
     """Horizontal cut at z that bounds a piece where another takes over; no surface of the vault, so it never grows."""
 
     z: float
+
+    @property
+    def top(self) -> float:
+        """Highest point [m]."""
+        return self.z
 
     def grown(self, thickness: float) -> Lid:
         """Itself."""

@@ -1,0 +1,130 @@
+"""The B-Rep of a vault [mm] from its pieces: void, intrados with named faces, and masonry with a thickness."""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from OCP.BOPTools import BOPTools_AlgoTools3D
+from OCP.gp import gp_Pnt, gp_Pnt2d
+from OCP.IntTools import IntTools_Context
+from OCP.TopAbs import TopAbs_FACE
+from OCP.TopExp import TopExp_Explorer
+from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape
+
+from families.bodies import MM, Extent, cut, union
+from families.parts import Piece
+from families.vault import Vault
+
+if TYPE_CHECKING:
+    import build123d
+
+EXTRADOS, SIDE = "extrados", "side"
+GREY = (0.62, 0.6, 0.57)
+ON_SURFACE = 1e-6  # [m]
+
+
+def void(vault: Vault) -> TopoDS_Shape:
+    """The room under the vault, above the springing and within the plan."""
+    plan = vault.plan
+    return union(vault.pieces(), Extent(plan.half_x, plan.half_y, 0.0, _top(vault.pieces())))
+
+
+def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
+    """The void grown by a thickness [m] without the void itself; it stands on walls where the plan says so.
+
+    Raises:
+        ValueError: the thickness is not above 0.
+    """
+    if not thickness > 0:
+        raise ValueError(f"thickness = {thickness:g} m must be above 0")
+    plan, grown = vault.plan, _grown(vault, thickness)
+    top = _top(grown)
+    outer = Extent(plan.half_x + thickness * plan.on_wall_x, plan.half_y + thickness * plan.on_wall_y, 0.0, top)
+    # What is taken away is longer than what is left, so that no faces coincide and the mouths of lunettes stay open.
+    inner = Extent(outer.half_x + outer.margin, outer.half_y + outer.margin, -outer.margin, top)
+    return cut(union(grown, outer), union(vault.pieces(), inner))
+
+
+def intrados(vault: Vault) -> build123d.Compound:
+    """The surface towards the room [mm]: a child for each component, labelled and coloured, of one or more faces.
+
+    A component of which nothing shows (the plane of a mirror vault without one) has no child.
+    """
+    import build123d
+
+    named: dict[str, list[TopoDS_Face]] = {}
+    for face, name in face_names(void(vault), vault):
+        named.setdefault(name, []).append(face)
+    children = [
+        build123d.Compound(
+            [build123d.Face(face) for face in named[name]], label=name, color=build123d.Color(*colour(vault, name))
+        )
+        for name in vault.components
+        if name in named
+    ]
+    return build123d.Compound(label=f"{vault.id} intrados", children=children)
+
+
+def solid(vault: Vault, thickness: float = 0.15) -> build123d.Part:
+    """The masonry [mm] with all radii of the extrados larger by `thickness` [m]; `face_names` tells its faces.
+
+    Raises:
+        ValueError: the thickness is not above 0.
+    """
+    import build123d
+
+    part = build123d.Part(masonry(vault, thickness))
+    part.label, part.color = vault.title, build123d.Color(*GREY)
+    return part
+
+
+def face_names(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> list[tuple[TopoDS_Face, str]]:
+    """The faces of a void, an intrados or a solid, in their order, each with the component that it shows.
+
+    Other faces are "side" (at the springing and where the plan cuts) or "extrados".
+    """
+    found = list(faces(getattr(shape, "wrapped", shape)))
+    points = _inner_points(found)
+    here = vault.evaluate(points)
+    half = np.array([vault.plan.half_x, vault.plan.half_y])
+    side = (np.abs(points[:, 2]) < ON_SURFACE) | (np.abs(np.abs(points[:, :2]) - half) < ON_SURFACE).any(axis=1)
+    names = (EXTRADOS, SIDE, *vault.components)
+    kind = np.where(np.abs(here.distance) < ON_SURFACE, here.component + 1, side)
+    return [(face, names[k]) for face, k in zip(found, kind, strict=True)]
+
+
+def faces(shape: TopoDS_Shape) -> Iterator[TopoDS_Face]:
+    """The faces of a shape in its order."""
+    explorer = TopExp_Explorer(shape, TopAbs_FACE)
+    while explorer.More():
+        yield TopoDS.Face_s(explorer.Current())
+        explorer.Next()
+
+
+def colour(vault: Vault, name: str) -> tuple[float, float, float]:
+    """Red, green and blue (0 to 1) of a component; hues of neighbours lie far apart. Grey for what is none."""
+    if name not in vault.components:
+        return GREY
+    return colorsys.hsv_to_rgb(0.06 + vault.components.index(name) * 0.618034 % 1.0, 0.5, 0.85)
+
+
+def _grown(vault: Vault, thickness: float) -> tuple[Piece, ...]:
+    return tuple(piece.grown(thickness) for piece in vault.pieces())
+
+
+def _top(pieces: tuple[Piece, ...]) -> float:
+    return max(part.top for piece in pieces for part in piece.parts)
+
+
+def _inner_points(shapes: list[TopoDS_Face]) -> NDArray[np.float64]:
+    """One point (n, 3) [m] inside each face."""
+    context, points = IntTools_Context(), np.empty((len(shapes), 3))
+    for k, face in enumerate(shapes):
+        point, uv = gp_Pnt(), gp_Pnt2d()
+        BOPTools_AlgoTools3D.PointInFace_s(face, point, uv, context)
+        points[k] = point.X(), point.Y(), point.Z()
+    return points / MM

@@ -1,0 +1,59 @@
+"""The outline of a profile as arcs of circles and ellipses with their angles, ready to be drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import acos, asin, atan2, cos, pi, sin
+
+from families.profiles import Curve, junction
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Bow:
+    """Arc of an ellipse about (u, z), half axes a along u and b along z, counterclockwise between eccentric angles."""
+
+    u: float
+    z: float
+    a: float
+    b: float
+    start: float
+    end: float
+
+    def at(self, angle: float) -> Point:
+        """Point (u, z) at an eccentric angle."""
+        return self.u + self.a * cos(angle), self.z + self.b * sin(angle)
+
+    def mirrored(self) -> Bow:
+        """The same on the other side of the axis."""
+        return replace(self, u=-self.u, start=pi - self.end, end=pi - self.start)
+
+
+def half_outline(curve: Curve, wall: float, low: float) -> tuple[Bow, ...]:
+    """The arcs of a curve from the springing to the crown, as far as u <= `wall` and z >= `low` [m].
+
+    A vertical line from (u, low) to the first of them closes the outline where there is a wall.
+    """
+    bows = []
+    for bow in _whole(curve):
+        # Near 1 an arc cosine turns rounding into an angle; there the arc starts at its widest point.
+        inside = (wall - bow.u) / bow.a
+        start = max(bow.start, acos(inside) if inside < 1 - 1e-12 else 0.0, asin(max((low - bow.z) / bow.b, -1.0)))
+        if start < bow.end - 1e-12:
+            bows.append(replace(bow, start=start))
+    return tuple(bows)
+
+
+def _whole(curve: Curve) -> tuple[Bow, ...]:
+    wall = curve.half_span
+    if not curve.arcs:
+        return (Bow(0.0, 0.0, wall, curve.rise, 0.0, pi / 2),)
+    *lower, top = curve.arcs
+    # Angles are measured from the centres; the crown is where the axis is reached.
+    crown = acos(-top.u / top.radius)
+    passes = [atan2(junction(curve)[1] - a.z, junction(curve)[0] - a.u) for a in lower]
+    starts, ends = [0.0, *passes], [*passes, crown]
+    return tuple(
+        Bow(a.u, a.z, a.radius, a.radius, start, end) for a, start, end in zip(curve.arcs, starts, ends, strict=True)
+    )
