@@ -1,0 +1,8 @@
+"""A virtual laser scanner: a vault in its room, settled, occluded, scanned with a real instrument's errors."""
+
+from vaultcad.scanner.draw import draw
+from vaultcad.scanner.scan import VirtualScan, scan
+from vaultcad.scanner.settings import ScannerSettings
+from vaultcad.scanner.truth import read_truth, truth_path, vault_of, write_scan
+
+__all__ = ["ScannerSettings", "VirtualScan", "draw", "read_truth", "scan", "truth_path", "vault_of", "write_scan"]

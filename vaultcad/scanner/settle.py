@@ -1,0 +1,69 @@
+"""How masonry settles: one smooth displacement of space, so that what meets before still meets after.
+
+Two parts are added, each with its own random share. The springings spread outwards and the crown comes down, as vaults
+do whose walls have given way (Heyman, "The stone skeleton", 1995); and all of it undulates by low waves, no shorter
+than the shorter span. Below the springing the field fades to nothing within `depth`, so that the walls lean and the floor
+stays. It is scaled to a largest displacement over the vault.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vaultcad.scanner.waves import Waves, draw_waves
+
+Array = NDArray[np.float64]
+
+MODES = 5  # waves an axis: few, as settlement is smooth
+LONGEST = 3.0  # longest wave / shorter span
+
+
+@dataclass(frozen=True, eq=False)
+class Settlement:
+    """Displacement field u(p) [m] in the vault's frame."""
+
+    half: tuple[float, float]  # half extents of the plan [m]
+    rise: float  # crown above the springing [m]
+    depth: float  # below the springing, where all motion ends [m]
+    spread: Array  # (3,) outward motion of the springings in x and in y, fall of the crown, before scaling
+    waves: tuple[Waves, Waves, Waves]
+    scale: float  # [m]
+
+    def __call__(self, xyz: NDArray[np.floating]) -> Array:
+        """Displacements (n, 3) [m] of points (n, 3) [m]."""
+        points = np.asarray(xyz, np.float64)
+        # Beyond the plan (jambs, piers) things move along with its edge.
+        xi, eta = (np.sin(np.clip(points[:, k] / self.half[k], -1, 1) * np.pi / 2) for k in (0, 1))
+        height = _smoothstep(points[:, 2] / self.rise)
+        field = np.column_stack([wave(points) for wave in self.waves]).astype(np.float64)
+        field[:, 0] += self.spread[0] * xi * (1 - height)
+        field[:, 1] += self.spread[1] * eta * (1 - height)
+        field[:, 2] -= self.spread[2] * (1 - xi**2) * (1 - eta**2) * height
+        return field * (self.scale * _smoothstep(points[:, 2] / self.depth + 1))[:, None]
+
+
+def draw_settlement(
+    vault: Array, half: tuple[float, float], depth: float, amplitude: float, rng: np.random.Generator
+) -> Settlement:
+    """A random settlement whose largest displacement over the points `vault` (n, 3) [m] is `amplitude` [m].
+
+    half: half extents of the plan [m]; depth: below the springing, where motion ends [m].
+    """
+    short = 2 * min(half)
+    spread = rng.uniform(1, 4, 3)
+    waves = (
+        draw_waves(MODES, short, LONGEST * short, rng),
+        draw_waves(MODES, short, LONGEST * short, rng),
+        draw_waves(MODES, short, LONGEST * short, rng),
+    )
+    unit = Settlement(half, float(vault[:, 2].max()), depth, spread, waves, 1.0)
+    largest = float(np.linalg.norm(unit(vault), axis=1).max())
+    return Settlement(half, unit.rise, depth, spread, waves, amplitude / largest)
+
+
+def _smoothstep(t: Array) -> Array:
+    t = np.clip(t, 0, 1)
+    return t * t * (3 - 2 * t)

@@ -1,0 +1,89 @@
+"""What was scanned and how, written beside a virtual scan: all that scoring a fit needs."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from math import degrees
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Vault, family, profile
+from families.profiles import Profile
+from vaultcad.scanner.settings import ScannerSettings
+
+if TYPE_CHECKING:
+    from vaultcad.scanner.scan import VirtualScan
+
+SCHEMA = 1
+
+
+def case(
+    vault: Vault, settings: ScannerSettings, stations: NDArray[np.float64], step: float, points: int
+) -> dict[str, Any]:
+    """The true vault before it settled, where it stands, and how it was scanned; ready for JSON.
+
+    `parameters` are flat as in `Vault.values`, `profiles` names the profile of each field that is one, `derived` the
+    sizes that follow [m], `components` the names of the labels 1, 2, ...; `pose` holds the middle of the plan on the
+    springing in file coordinates [m] and the yaw of the x axis. `stations` are as reported, in file coordinates.
+    """
+    profiles = {name: value.id for name, value in vars(vault).items() if isinstance(value, Profile)}
+    x, y, floor = settings.origin
+    return {
+        "schema": SCHEMA,
+        "family": vault.id,
+        "parameters": vault.values(),
+        "profiles": profiles,
+        "derived": vault.derived_values(),
+        "components": list(vault.components),
+        "pose": {"origin": [x, y, floor + settings.wall_height], "yaw_deg": degrees(settings.yaw)},
+        "points": points,
+        "step_deg": degrees(step),
+        "stations": (stations + settings.origin).tolist(),
+        "settings": asdict(settings),
+    }
+
+
+def vault_of(truth: dict[str, Any]) -> Vault:
+    """The vault that a `case` describes."""
+    profiles = {name: profile(kind)() for name, kind in truth["profiles"].items()}
+    return family(truth["family"])(**profiles).replaced(truth["parameters"])
+
+
+def truth_path(path: Path) -> Path:
+    """Where the truth of a scan lies: room.laz -> room.truth.npz."""
+    return path.with_suffix(".truth.npz")
+
+
+def write_scan(virtual: VirtualScan, path: Path) -> Path:
+    """Write the points, with their intensity, as PLY, LAS, LAZ or E57 by the file's suffix, and the truth beside.
+
+    The truth is an .npz with `component` (n,) uint16 and `station` (n,) uint8, both in the file's order, and `case`, a
+    JSON string. Returns its path.
+
+    Raises:
+        ValueError: the suffix names no format that can be written.
+        OSError: the file cannot be written.
+    """
+    from segmentation.io.write import write_cloud
+
+    write_cloud(path, virtual.xyz, origin=virtual.origin, extra={"intensity": virtual.intensity})
+    beside = truth_path(path)
+    with beside.open("wb") as file:
+        np.savez_compressed(
+            file, component=virtual.component, station=virtual.station, case=np.array(json.dumps(virtual.truth))
+        )
+    return beside
+
+
+def read_truth(path: Path) -> tuple[NDArray[np.uint16], dict[str, Any]]:
+    """Labels (n,) and case of the truth that `write_scan` put beside a scan; `path` is the scan's or the truth's.
+
+    Raises:
+        OSError: there is no such file.
+    """
+    with np.load(path if path.suffix == ".npz" else truth_path(path)) as data:
+        return data["component"], json.loads(str(data["case"]))
