@@ -1,13 +1,17 @@
-"""The outline of a profile as arcs of circles and ellipses with their angles, ready to be drawn."""
+"""The outline of a profile as walls and as arcs of circles and ellipses with their angles, ready to be drawn."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import acos, asin, atan2, cos, pi, sin
 
+import numpy as np
+from numpy.typing import NDArray
+
 from families.profiles import Curve, junction
 
 Point = tuple[float, float]
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -25,9 +29,28 @@ class Bow:
         """Point (u, z) at an eccentric angle."""
         return self.u + self.a * cos(angle), self.z + self.b * sin(angle)
 
+    def trace(self, angle: Array) -> tuple[Array, Array, Array, Array]:
+        """u, z and the unit normal (nu, nz) away from the centre at eccentric angles (n,)."""
+        c, s = np.cos(angle), np.sin(angle)
+        size = np.hypot(self.b * c, self.a * s)
+        return self.u + self.a * c, self.z + self.b * s, self.b * c / size, self.a * s / size
+
     def mirrored(self) -> Bow:
         """The same on the other side of the axis."""
         return replace(self, u=-self.u, start=pi - self.end, end=pi - self.start)
+
+
+@dataclass(frozen=True)
+class Wall:
+    """Vertical line at u between two heights [m]."""
+
+    u: float
+    start: float
+    end: float
+
+    def trace(self, z: Array) -> tuple[Array, Array, Array, Array]:
+        """u, z and the unit normal (nu, nz) at heights (n,)."""
+        return np.full_like(z, self.u), z, np.ones_like(z), np.zeros_like(z)
 
 
 def half_outline(curve: Curve, wall: float, low: float) -> tuple[Bow, ...]:
