@@ -20,6 +20,7 @@ Ints = NDArray[np.int64]
 
 CHUNK = 1 << 18  # points a thread labels at a time
 CANDIDATES = 6  # components that may meet within one cell and its neighbours
+REACH = 3  # cells that a component may run on beyond the cells that are mostly its own: its slivers
 ONE_SIDED = 0.9  # share of a primitive's cells on one side of another from which the two are known to bound each other
 _BITS = 21
 
@@ -41,17 +42,33 @@ def regions(cloud: WorkingCloud, labels: Ints, components: Ints, shapes: Shapes)
     """What the cells tell about the points in them, from their primitives (m,) and components (m,)."""
     count = int(components.max(initial=0))
     owner = np.zeros(count + 1, dtype=np.int64)
-    owner[components] = labels
-    everyone = np.arange(len(cloud))
-    tail, head = np.concatenate((cloud.tail, everyone)), np.concatenate((cloud.head, everyone))
-    pair = np.unique(tail * (count + 1) + components[head])
-    pair = pair[pair % (count + 1) > 0]
+    owner[components] = np.maximum(labels, 0)
+    distance = np.abs(measure(shapes, cloud.mean, cloud.normal)[0])
+    differs = np.flatnonzero(components[cloud.tail] != components[cloud.head])
+    tail, head = cloud.tail[differs], cloud.head[differs]
+    pair = np.flatnonzero(components) * (count + 1) + components[components > 0]
+    front = np.empty(0, dtype=np.int64)
+    for ring in range(REACH):
+        cell, component = (
+            (tail, components[head]) if ring == 0 else _around(cloud, front // (count + 1), front % (count + 1))
+        )
+        near = (component > 0) & (distance[owner[component], cell] < cloud.size)
+        front = np.setdiff1d(cell[near] * (count + 1) + component[near], pair)
+        pair = np.union1d(pair, front)
     cell, component = pair // (count + 1), pair % (count + 1)
     rank = np.arange(len(pair)) - np.searchsorted(cell, cell)
     kept = rank < CANDIDATES
     candidates = np.zeros((len(cloud), CANDIDATES), dtype=np.int64)
     candidates[cell[kept], rank[kept]] = component[kept]
     return Regions(candidates, owner, _sides(cloud, labels, shapes))
+
+
+def _around(cloud: WorkingCloud, cell: Ints, component: Ints) -> tuple[Ints, Ints]:
+    """The neighbours of cells (p,), each with its cell's component."""
+    low, high = np.searchsorted(cloud.tail, cell), np.searchsorted(cloud.tail, cell + 1)
+    number = high - low
+    edge = np.arange(int(number.sum())) + np.repeat(low - np.cumsum(number) + number, number)
+    return cloud.head[edge], np.repeat(component, number)
 
 
 def _sides(cloud: WorkingCloud, labels: Ints, shapes: Shapes) -> Floats:
@@ -129,7 +146,11 @@ def _label(
         x, y, z = float(xyz[i, 0]), float(xyz[i, 1]), float(xyz[i, 2])
         if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
             continue
-        kx, ky, kz = np.int64(math.floor(x / size)) - low[0], np.int64(math.floor(y / size)) - low[1], np.int64(math.floor(z / size)) - low[2]
+        kx, ky, kz = (
+            np.int64(math.floor(x / size)) - low[0],
+            np.int64(math.floor(y / size)) - low[1],
+            np.int64(math.floor(z / size)) - low[2],
+        )
         key = (kx << (2 * _BITS)) | (ky << _BITS) | kz
         if key != last:
             cell = np.int64(table[_slot(table, keys, key)])

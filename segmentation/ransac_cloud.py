@@ -27,7 +27,7 @@ class WorkingCloud:
 
     mean: (m, 3) means [m], sagitta and noise averaged. raw: (m, 3) one true point of each. normal: (m, 3) unit, NaN where unknown.
     count: (m,) points. cell: (m, 3) grid coordinates. code: (m,) Morton codes, ascending. size: edge of a cell [m].
-    tail, head: (e,) edges of the graph of touching cells, both directions.
+    tail, head: (e,) edges of the graph of touching cells, both directions, ascending by tail.
     """
 
     mean: Floats
@@ -61,11 +61,15 @@ def working_cloud(xyz: Floats, normals: Floats | None, settings: Settings) -> Wo
     cell -= cell.min(axis=0)
     code = _morton(cell)
     order = np.argsort(code, kind="stable")
-    mean, raw, cell, code, count = (a[order] for a in (np.asarray(thinned.xyz, dtype=np.float64), raw, cell, code, thinned.count))
+    mean, raw, cell, code, count = (
+        a[order] for a in (np.asarray(thinned.xyz, dtype=np.float64), raw, cell, code, thinned.count)
+    )
     tail, head = touching(cell)
     normal = _normals(mean, None if normals is None else normals[thinned.first[order]])
     epsilon = settings.epsilon or max(MISFIT * extent, 1e-6)
-    return WorkingCloud(mean, raw, normal, count, cell, code, size, tail, head, epsilon, settings.min_points(int(count.sum())))
+    return WorkingCloud(
+        mean, raw, normal, count, cell, code, size, tail, head, epsilon, settings.min_points(int(count.sum()))
+    )
 
 
 def _cell_size(probe: Floats, points: int, settings: Settings) -> tuple[float, float]:
@@ -74,7 +78,7 @@ def _cell_size(probe: Floats, points: int, settings: Settings) -> tuple[float, f
     extent = float(np.linalg.norm(high - low)) or 1.0
     coarse = extent / 50.0
     inside = probe[((probe >= low - coarse) & (probe <= high + coarse)).all(axis=1)]
-    cells = len(np.unique(np.floor(inside / coarse).astype(np.int64), axis=0))
+    cells = len(np.unique(np.floor((inside - low) / coarse).astype(np.int64) @ np.array([1, 1 << 10, 1 << 20])))
     area = cells * coarse**2 / 1.5  # a slanting surface meets about 1.5 cells a square
     spacing = math.sqrt(area / points)
     wanted = settings.beta / 2.0 if settings.beta else math.sqrt(1.5 * area / TARGET)
@@ -97,7 +101,13 @@ def _morton(cell: Ints) -> Ints:
     code = np.zeros(len(cell), dtype=np.int64)
     for axis in range(3):
         x = cell[:, axis].copy()
-        for shift, mask in ((32, 0x1F00000000FFFF), (16, 0x1F0000FF0000FF), (8, 0x100F00F00F00F00F), (4, 0x10C30C30C30C30C3), (2, 0x1249249249249249)):
+        for shift, mask in (
+            (32, 0x1F00000000FFFF),
+            (16, 0x1F0000FF0000FF),
+            (8, 0x100F00F00F00F00F),
+            (4, 0x10C30C30C30C30C3),
+            (2, 0x1249249249249249),
+        ):
             x = (x | (x << shift)) & mask
         code |= x << axis
     return code
@@ -109,14 +119,13 @@ def touching(cell: Ints) -> tuple[Ints, Ints]:
     key = ((cell[:, 0] + 1) * span[1] + cell[:, 1] + 1) * span[2] + cell[:, 2] + 1
     order = np.argsort(key)
     ascending = key[order]
-    tails, heads = [], []
-    for step in STEPS[STEPS @ np.array([9, 3, 1]) > 0]:
-        wanted = ascending + (step[0] * span[1] + step[1]) * span[2] + step[2]
+    table = np.full((len(key), len(STEPS)), -1, dtype=np.int64)
+    for j in range(len(STEPS) // 2):  # the other half are the same pairs seen from the other end
+        wanted = ascending + (STEPS[j, 0] * span[1] + STEPS[j, 1]) * span[2] + STEPS[j, 2]
         place = np.minimum(np.searchsorted(ascending, wanted), len(key) - 1)
         found = np.flatnonzero(ascending[place] == wanted)
-        tails.append(order[found])
-        heads.append(order[place[found]])
-    tail, head = np.concatenate(tails), np.concatenate(heads)
-    tail, head = np.concatenate((tail, head)), np.concatenate((head, tail))
-    by_tail = np.lexsort((head, tail))
-    return tail[by_tail], head[by_tail]
+        tail, head = order[found], order[place[found]]
+        table[tail, j] = head
+        table[head, -1 - j] = tail
+    joined = table >= 0
+    return np.repeat(np.arange(len(key)), joined.sum(axis=1)), table[joined]

@@ -15,13 +15,14 @@ from segmentation.settings import Settings
 
 ROUNDS = 30
 NORMAL_PRICE = 0.25  # what a deviation of alpha costs beside a distance of epsilon, which costs 1
-MERGE_POINTS = 1500
+FIT_POINTS = 8000  # points that decide the primitives; the labels are for all
+CHOICE_POINTS = 6000
 
 
 def cost(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, cos_alpha: float) -> Floats:
     """Price (k, n) of giving each point to each primitive: squared distance over epsilon plus the normals' deviation; inf outside."""
     distance, cosine = measure(shapes, xyz, normals)
-    price = (distance / epsilon) ** 2 + NORMAL_PRICE * (1.0 - cosine) / (1.0 - cos_alpha)
+    price = (distance / epsilon) ** 2 + NORMAL_PRICE * np.maximum(1.0 - cosine, 0.0) / (1.0 - cos_alpha)
     return np.where((np.abs(distance) <= epsilon) & (cosine >= cos_alpha), price, math.inf)
 
 
@@ -30,20 +31,27 @@ def refine_jointly(
 ) -> tuple[Shapes, Ints]:
     """The primitives fitted to the points (n, 3) each wins, and the labels (n,), -1 for points that none explains."""
     cos_alpha, sizes = math.cos(settings.alpha), sizes_of(shapes.kinds, settings)
-    labels = np.full(len(xyz), -1)
+    some = spread(len(xyz), FIT_POINTS)
+    sample, directions, labels = xyz[some], normals[some], np.full(len(some), -1)
     for _ in range(rounds if len(shapes) else 0):
-        price = cost(shapes, xyz, normals, epsilon, cos_alpha)
-        winner = np.argmin(price, axis=0)
-        lowest = np.take_along_axis(price, winner[None], axis=0)[0]
-        new = np.where(np.isfinite(lowest), winner, -1)
+        price = cost(shapes, sample, directions, epsilon, cos_alpha)
+        new = _winners(price)
         if (new == labels).all():
             break
         labels = new
-        shapes = Shapes(shapes.kinds, _fit_to_won(shapes, xyz, labels, price, epsilon, sizes))
-    return shapes, labels
+        shapes = Shapes(shapes.kinds, _fit_to_won(shapes, sample, labels, price, sizes))
+    return shapes, _winners(cost(shapes, xyz, normals, epsilon, cos_alpha))
 
 
-def _fit_to_won(shapes: Shapes, xyz: Floats, labels: Ints, price: Floats, epsilon: float, sizes: Floats) -> Floats:
+def _winners(price: Floats) -> Ints:
+    if len(price) == 0:
+        return np.full(price.shape[1], -1)
+    winner = np.argmin(price, axis=0)
+    lowest = np.take_along_axis(price, winner[None], axis=0)[0]
+    return np.where(np.isfinite(lowest), winner, -1)
+
+
+def _fit_to_won(shapes: Shapes, xyz: Floats, labels: Ints, price: Floats, sizes: Floats) -> Floats:
     """Rows fitted to the points won, those that a second primitive explains about as well weighing little."""
     mine = np.arange(len(shapes))[:, None] == labels
     own = np.where(mine, price, 0.0).sum(axis=0)
@@ -55,7 +63,7 @@ def _fit_to_won(shapes: Shapes, xyz: Floats, labels: Ints, price: Floats, epsilo
 
 def select(shapes: Shapes, cloud: WorkingCloud, epsilon: float, price: float, settings: Settings) -> Shapes:
     """Drop and merge primitives while that lowers the cells left unexplained plus `price` for each primitive."""
-    some = spread(len(cloud), 4 * MERGE_POINTS)
+    some = spread(len(cloud), CHOICE_POINTS)
     xyz, normals, cos_alpha = cloud.mean[some], cloud.normal[some], math.cos(settings.alpha)
     price = price * len(some) / len(cloud)
     changed = True

@@ -16,7 +16,6 @@ Ints = NDArray[np.int64]
 
 MARGIN = 2  # cells next to another primitive that are taken away
 SMALLEST_CORE = 0.25  # of the minimum support; a smaller core grows out of its neighbours again
-SWEEPS = 1000
 
 
 def split(cloud: WorkingCloud, labels: Ints) -> Ints:
@@ -50,9 +49,16 @@ def split(cloud: WorkingCloud, labels: Ints) -> Ints:
 
 def _components(cloud: WorkingCloud, labels: Ints, among: NDArray[np.bool_], smallest: float) -> Ints:
     """Connected components (m,) of the cells `among` (m,) with equal labels and at least `smallest` points; 0 for none."""
-    joined = (labels[cloud.tail] == labels[cloud.head]) & among[cloud.tail] & among[cloud.head]
     size = len(labels)
-    graph = csr_array((np.ones(int(joined.sum()), dtype=np.int8), (cloud.tail[joined], cloud.head[joined])), shape=(size, size))
+    if not among.any():
+        return np.zeros(size, dtype=np.int64)
+    group = np.where(among, labels, -1)
+    joined = np.flatnonzero(
+        (group[cloud.tail] == group[cloud.head]) & (group[cloud.tail] >= 0) & (cloud.tail < cloud.head)
+    )
+    graph = csr_array(
+        (np.ones(len(joined), dtype=np.int8), (cloud.tail[joined], cloud.head[joined])), shape=(size, size)
+    )
     _, component = connected_components(graph, directed=False)
     points = np.bincount(component, weights=cloud.count * among)
     large = (points >= smallest) & (points > 0.0)
@@ -63,17 +69,17 @@ def _components(cloud: WorkingCloud, labels: Ints, among: NDArray[np.bool_], sma
 def _grow(cloud: WorkingCloud, labels: Ints, cores: Ints) -> Ints:
     """Cores grown, ring by ring, over the cells of their own primitive; between two, the one that touches a cell more often."""
     grown = cores.copy()
-    same = labels[cloud.tail] == labels[cloud.head]
-    tail, head = cloud.tail[same], cloud.head[same]
+    open_edges = np.flatnonzero((cores[cloud.tail] == 0) & (labels[cloud.tail] == labels[cloud.head]))
+    tail, head = cloud.tail[open_edges], cloud.head[open_edges]
     width = int(cores.max(initial=0)) + 1
-    for _ in range(SWEEPS):
-        front = (grown[tail] == 0) & (grown[head] > 0)
+    while True:
+        front = grown[head] > 0
         if not front.any():
-            break
-        vote = np.bincount(tail[front] * width + grown[head[front]])
-        pair = np.flatnonzero(vote)
-        cell = pair // width
-        best = np.lexsort((pair % width, -vote[pair], cell))
-        first = np.concatenate(([True], np.diff(cell[best]) > 0))
-        grown[cell[best][first]] = (pair % width)[best][first]
-    return grown
+            return grown
+        pair, vote = np.unique(tail[front] * width + grown[head[front]], return_counts=True)
+        cell, core = pair // width, pair % width
+        best = np.lexsort((core, -vote, cell))
+        first = best[np.concatenate(([True], np.diff(cell[best]) > 0))]
+        grown[cell[first]] = core[first]
+        still = grown[tail] == 0
+        tail, head = tail[still], head[still]
