@@ -142,7 +142,7 @@ def _sum(
     mask = len(table_keys) - 1
     for i in range(start, stop):
         x, y, z = float(xyz[i, 0]), float(xyz[i, 1]), float(xyz[i, 2])
-        kx, ky, kz = x * scale - low[0], y * scale - low[1], z * scale - low[2]
+        kx, ky, kz = np.floor(x * scale) - low[0], np.floor(y * scale) - low[1], np.floor(z * scale) - low[2]
         if not (0 <= kx <= REACH and 0 <= ky <= REACH and 0 <= kz <= REACH):  # not finite
             if len(cells):
                 cells[i] = -1
