@@ -8,16 +8,26 @@ from segmentation.errors import ReadError
 from segmentation.io.chunk import Chunk, Progress, assemble
 from segmentation.io.e57 import read_e57
 from segmentation.io.las import read_las
+from segmentation.io.pcd import read_pcd
 from segmentation.io.ply import read_ply
+from segmentation.io.text import read_text
 
 Reader = Callable[[Path], Iterator[Chunk]]
 READERS: dict[str, Reader] = {
     ".e57": read_e57,
     ".las": read_las,
     ".laz": read_las,
+    ".pcd": read_pcd,
     ".ply": read_ply,
+    **dict.fromkeys((".xyz", ".txt", ".asc", ".pts", ".csv"), read_text),
 }
-SIGNATURES = {b"ASTM-E57": (".e57",), b"LASF": (".las", ".laz"), b"ply": (".ply",)}
+SIGNATURES = {
+    b"ASTM-E57": (".e57",),
+    b"LASF": (".las", ".laz"),
+    b"ply": (".ply",),
+    b"# .PCD": (".pcd",),
+    b"VERSION": (".pcd",),
+}
 """First bytes of a file, and the suffixes that go with them."""
 
 

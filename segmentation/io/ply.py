@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.errors import ReadError
 from segmentation.io.chunk import SIZE, Chunk
+from segmentation.io.records import XYZ, chunk_of, from_table
 from segmentation.io.table import Rows
 
 TYPES = {
@@ -18,11 +18,6 @@ TYPES = {
     "float": "f4", "double": "f8", "float32": "f4", "float64": "f8",
 }  # fmt: skip
 ORDERS = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
-XYZ = ("x", "y", "z")
-NORMALS = (("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"))
-COLORS = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b"))
-INTENSITIES = ("intensity", "scalar_intensity", "scalar_Intensity", "Intensity", "reflectance")
-CLASSES = ("classification", "scalar_classification", "scalar_Classification")
 WAY_OUT = "export the scan again as PLY, E57 or LAZ"
 
 
@@ -46,7 +41,7 @@ def read_ply(path: Path) -> Iterator[Chunk]:
     """
     layout = _layout(path)
     for values, done in (_ascii if layout.ascii else _binary)(path, layout):
-        yield _chunk(values, done)
+        yield chunk_of(values, done)
 
 
 def _layout(path: Path) -> Layout:
@@ -101,43 +96,13 @@ def _binary(path: Path, layout: Layout) -> Iterator[tuple[NDArray[np.void], floa
 
 def _ascii(path: Path, layout: Layout) -> Iterator[tuple[NDArray[np.void], float]]:
     """Vertices as a structured array, chunk by chunk."""
+    rows = Rows(path, len(layout.dtype.names or ()), start=layout.start, skip=layout.skip, limit=layout.count)
     have = 0
-    names = layout.dtype.names or ()
-    rows = Rows(path, len(names), start=layout.start, skip=layout.skip, limit=layout.count)
     for table in rows:
-        values = np.empty(len(table), layout.dtype)
-        for k, name in enumerate(names):
-            values[name] = table[:, k]
         have += len(table)
-        yield values, have / layout.count
+        yield from_table(table, layout.dtype), have / layout.count
     if have < layout.count:
         raise _truncated(path, layout.count, have)
-
-
-def _chunk(values: NDArray[np.void], done: float) -> Chunk:
-    names = set(values.dtype.names or ())
-
-    def columns(choices: tuple[tuple[str, ...], ...]) -> NDArray[Any] | None:
-        found = next((c for c in choices if names.issuperset(c)), None)
-        if found is None:
-            return None
-        native = np.result_type(*(values.dtype[c] for c in found)).newbyteorder("=")
-        return np.stack([values[c].astype(native) for c in found], axis=1)
-
-    def column(choices: tuple[str, ...]) -> NDArray[Any] | None:
-        found = columns(tuple((c,) for c in choices))
-        return None if found is None else found[:, 0]
-
-    xyz, classes = columns((XYZ,)), column(CLASSES)
-    assert xyz is not None
-    return Chunk(
-        xyz=xyz if np.issubdtype(xyz.dtype, np.floating) else xyz.astype(np.float64),
-        normals=columns(NORMALS),
-        color=columns(COLORS),
-        intensity=column(INTENSITIES),
-        classification=None if classes is None else classes.astype(np.uint8),
-        done=done,
-    )
 
 
 def _truncated(path: Path, promised: int, have: int) -> ReadError:

@@ -1,0 +1,142 @@
+"""PCD of the Point Cloud Library, versions 0.6 and 0.7: ascii, binary and binary_compressed."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from segmentation.errors import ReadError
+from segmentation.io.chunk import SIZE, Chunk
+from segmentation.io.records import XYZ, chunk_of, from_table
+from segmentation.io.table import Rows
+
+KINDS = {"F": "f", "I": "i", "U": "u"}
+PACKED = ("rgb", "rgba")
+"""Fields that hold red, green and blue in the bytes of one number."""
+HOME = [0.0, 0.0, 0.0]
+WAY_OUT = "export the scan again as PCD, E57, LAZ or PLY"
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What the header says. viewpoint: where the scanner stood [m], None where it stood in the origin."""
+
+    dtype: np.dtype[np.void]
+    count: int
+    encoding: str
+    start: int
+    viewpoint: NDArray[np.float64] | None
+
+
+Values = Iterator[tuple[NDArray[np.void], float]]
+
+
+def read_pcd(path: Path) -> Iterator[Chunk]:
+    """The points with normals, colour (packed or not), intensity; the viewpoint's position, if set, as station.
+
+    Raises ReadError if the header makes no sense or points are missing.
+    """
+    layout = _layout(path)
+    stations = layout.viewpoint
+    for values, done in DECODERS[layout.encoding](path, layout):
+        yield replace(chunk_of(values, done, _color(values)), stations=stations)
+        stations = None
+
+
+def _layout(path: Path) -> Layout:
+    header: dict[str, list[str]] = {}
+    with path.open("rb") as file:
+        while "DATA" not in header:
+            line = file.readline(100_000)
+            if not line or len(header) > 20:
+                raise ReadError(path, "has no whole PCD header", WAY_OUT)
+            words = line.decode("latin-1").split() or [""]
+            if not words[0].startswith("#"):
+                header[words[0].upper()] = words[1:]
+        start = file.tell()
+    try:
+        names, sizes, kinds = header["FIELDS"], header["SIZE"], header["TYPE"]
+        counts = header.get("COUNT", ["1"] * len(names))
+        fields: list[Any] = []
+        for k, (name, size, kind, n) in enumerate(zip(names, sizes, kinds, counts, strict=True)):
+            # padding is always named "_", and may come more than once
+            unique = f"{name}{k}" if name == "_" else name
+            fields.append((unique, f"<{KINDS[kind]}{int(size)}", *([(int(n),)] if int(n) != 1 else [])))
+        dtype = np.dtype(fields)
+        count = int(header["POINTS"][0]) if "POINTS" in header else int(header["WIDTH"][0]) * int(header["HEIGHT"][0])
+        place = [float(v) for v in header.get("VIEWPOINT", ["0"] * 3)[:3]]
+        encoding = header["DATA"][0].lower()
+    except (KeyError, ValueError, IndexError, TypeError) as error:
+        raise ReadError(path, f"its PCD header makes no sense ({error!r})", WAY_OUT) from error
+    if encoding not in DECODERS:
+        raise ReadError(path, f"its PCD data is {encoding!r}, known are {', '.join(DECODERS)}", WAY_OUT)
+    if not set(XYZ) <= set(names):
+        raise ReadError(path, "has no fields x, y and z", WAY_OUT)
+    return Layout(dtype, count, encoding, start, None if place == HOME else np.array([place]))
+
+
+def _ascii(path: Path, layout: Layout) -> Values:
+    width = sum(int(np.prod(layout.dtype[name].shape, dtype=int)) for name in layout.dtype.names or ())
+    have = 0
+    for table in Rows(path, width, start=layout.start, limit=layout.count):
+        have += len(table)
+        yield from_table(table, layout.dtype), have / layout.count
+    if have < layout.count:
+        raise _truncated(path, layout.count, have)
+
+
+def _binary(path: Path, layout: Layout) -> Values:
+    have = (path.stat().st_size - layout.start) // layout.dtype.itemsize
+    if have < layout.count:
+        raise _truncated(path, layout.count, have)
+    with path.open("rb") as file:
+        file.seek(layout.start)
+        for at in range(0, layout.count, SIZE):
+            values = np.fromfile(file, layout.dtype, min(SIZE, layout.count - at))
+            yield values, (at + len(values)) / layout.count
+
+
+def _compressed(path: Path, layout: Layout) -> Values:
+    """Two lengths, then all values of the first field, all of the second, …, compressed together."""
+    from segmentation.io.lzf import unpack  # numba takes half a second, which other files need not wait for
+
+    with path.open("rb") as file:
+        file.seek(layout.start)
+        lengths = np.fromfile(file, "<u4", 2)
+        packed = np.fromfile(file, np.uint8, int(lengths[0]) if len(lengths) == 2 else 0)
+    whole = layout.count * layout.dtype.itemsize
+    if len(lengths) < 2 or len(packed) < lengths[0] or lengths[1] != whole:
+        raise _truncated(path, layout.count, 0)
+    plain = np.zeros(whole, np.uint8)
+    if unpack(packed, plain) != whole:
+        raise ReadError(path, "its compressed data is damaged", WAY_OUT)
+    values = np.empty(layout.count, layout.dtype)
+    at = 0
+    for name in layout.dtype.names or ():
+        length = layout.count * layout.dtype[name].itemsize
+        values[name] = plain[at : at + length].view(layout.dtype[name].base).reshape(-1, *layout.dtype[name].shape)
+        at += length
+    yield values, 1.0
+
+
+DECODERS: dict[str, Callable[[Path, Layout], Values]] = {
+    "ascii": _ascii,
+    "binary": _binary,
+    "binary_compressed": _compressed,
+}
+
+
+def _color(values: NDArray[np.void]) -> NDArray[np.uint8] | None:
+    """Red, green and blue (k, 3) out of a packed field; None if there is none."""
+    name = next((n for n in PACKED if n in (values.dtype.names or ())), None)
+    if name is None or values.dtype[name].itemsize != 4:
+        return None
+    packed = np.ascontiguousarray(values[name]).view(np.uint32)
+    return np.stack([(packed >> shift & 255).astype(np.uint8) for shift in (16, 8, 0)], axis=1)
+
+
+def _truncated(path: Path, promised: int, have: int) -> ReadError:
+    return ReadError(path, f"is truncated: {have} of {promised} points are there", "copy it again from where it comes")

@@ -1,0 +1,52 @@
+"""Columns by name out of a structured array, for the formats whose points are records (PLY, PCD)."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from segmentation.io.chunk import Chunk
+
+XYZ = ("x", "y", "z")
+NORMALS = (("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"))
+COLORS = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b"))
+INTENSITIES = tuple((name,) for name in ("intensity", "Intensity", "scalar_intensity", "scalar_Intensity"))
+CLASSES = tuple((name,) for name in ("classification", "scalar_classification", "scalar_Classification"))
+
+
+def chunk_of(values: NDArray[np.void], done: float, color: NDArray[Any] | None = None) -> Chunk:
+    """A chunk of the records (k,), which have at least x, y and z. color: (k, 3), where it is no plain column."""
+    xyz, classes, intensity = _first(values, (XYZ,)), _first(values, CLASSES), _first(values, INTENSITIES)
+    assert xyz is not None
+    return Chunk(
+        xyz=xyz if np.issubdtype(xyz.dtype, np.floating) else xyz.astype(np.float64),
+        normals=_first(values, NORMALS),
+        color=_first(values, COLORS) if color is None else color,
+        intensity=None if intensity is None else intensity[:, 0],
+        classification=None if classes is None else classes[:, 0].astype(np.uint8),
+        done=done,
+    )
+
+
+def from_table(table: NDArray[np.float64], dtype: np.dtype[np.void]) -> NDArray[np.void]:
+    """Records of the columns of a table, in order; a field that is an array takes as many columns."""
+    values = np.empty(len(table), dtype)
+    at = 0
+    for name in dtype.names or ():
+        width = int(np.prod(dtype[name].shape, dtype=int))
+        columns = table[:, at : at + width]
+        if not np.issubdtype(dtype[name].base, np.floating):
+            columns = np.nan_to_num(columns)
+        values[name] = columns.reshape(-1, *dtype[name].shape)
+        at += width
+    return values
+
+
+def _first(values: NDArray[np.void], choices: tuple[tuple[str, ...], ...]) -> NDArray[Any] | None:
+    """The first choice of columns that is there, (k, columns) in the machine's byte order; None if none is."""
+    have = set(values.dtype.names or ())
+    found = next((c for c in choices if have.issuperset(c)), None)
+    if found is None:
+        return None
+    native = np.result_type(*(values.dtype[c] for c in found)).newbyteorder("=")
+    return np.stack([values[c].astype(native) for c in found], axis=1)
