@@ -63,16 +63,17 @@ clean:
 	rm -rf .venv demo build *.egg-info .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
-# compileall's exit status says only that some package ships a template which is no Python.
+# compileall may warn and fail: some packages ship templates that are no Python.
 .venv/packages.stamp: requirements.lock
 	@"$(PYTHON)" -c '$(SUPPORTED)' 2>/dev/null || { echo 'vaultcad needs Python 3.11, 3.12 or 3.13: make PYTHON=/path/to/python3' >&2; exit 1; }
 	@"$(PYTHON)" tools/system.py
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || "$(PYTHON)" -m venv --clear .venv
-	$(BIN)/python -m pip install --quiet --no-input --disable-pip-version-check --no-compile --only-binary :all: \
+	@echo 'Installing what requirements.lock names into .venv: some minutes, 3.5 GB'
+	@$(BIN)/python -m pip install --quiet --no-input --disable-pip-version-check --no-compile --only-binary :all: \
 		--no-deps --require-hashes -r requirements.lock
-	@$(BIN)/python -m compileall -qq -j 0 .venv/lib || true
+	@PYTHONWARNINGS=ignore $(BIN)/python -m compileall -qq -j 0 .venv/lib || true
 	@touch $@
 
 .venv/project.stamp: pyproject.toml .venv/packages.stamp
-	$(BIN)/python -m pip install --quiet --no-input --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@$(BIN)/python -m pip install --quiet --no-input --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@
