@@ -10,11 +10,15 @@ if TYPE_CHECKING:
     from segmentation.cloud import Cloud as Cloud
     from segmentation.errors import ReadError as ReadError
     from segmentation.io import read as read
+    from segmentation.io import write_cloud as write_cloud
+    from segmentation.io import write_labelled as write_labelled
 
 _EXPORTS = {
     "Cloud": "segmentation.cloud",
     "ReadError": "segmentation.errors",
     "read": "segmentation.io",
+    "write_cloud": "segmentation.io",
+    "write_labelled": "segmentation.io",
 }
 __all__ = list(_EXPORTS)
 

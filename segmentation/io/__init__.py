@@ -1,9 +1,14 @@
-"""Reading point clouds.
+"""Reading and writing point clouds.
 
-read(path) in formats.py, one file per format beside it; chunk.py makes the Cloud, ranges.py unifies colours and
-intensities, table.py reads columns of numbers.
+formats.py: read(path), and the table of readers, one file per format beside it.
+write.py: write_cloud(path, xyz, …), and the table of writers, one file per format beside it.
+labelled.py: write_labelled(scan, path, cloud, extra), a scan once more with labels.
+Inside: chunk.py makes the Cloud, ranges.py unifies colours and intensities, table.py reads columns of numbers,
+records.py finds columns in records, columns.py makes them, whole.py lets no half file stay.
 """
 
 from segmentation.io.formats import READERS, read
+from segmentation.io.labelled import write_labelled
+from segmentation.io.write import WRITERS, write_cloud
 
-__all__ = ["READERS", "read"]
+__all__ = ["READERS", "WRITERS", "read", "write_cloud", "write_labelled"]

@@ -1,0 +1,81 @@
+"""The scan once more, every point in its order and coordinates, with what was found about it."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from segmentation.cloud import Cloud
+from segmentation.errors import ReadError
+from segmentation.io.chunk import Progress
+from segmentation.io.formats import READERS
+from segmentation.io.las import las_points, open_las, read_las
+from segmentation.io.whole import replacing
+from segmentation.io.write_las import add_extras, open_writer, write_las
+
+
+def write_labelled(
+    scan: Path | str,
+    path: Path | str,
+    cloud: Cloud,
+    extra: Mapping[str, NDArray[Any]],
+    *,
+    progress: Progress | None = None,
+) -> None:
+    """The points of `scan` to the LAS or LAZ file `path`, with extra dimensions; it appears whole or not at all.
+
+    scan: the file that `cloud` was read from. extra: numbers (len(cloud),) under their names; a dimension of the same
+    name in the scan is replaced.
+    A LAS or LAZ scan is streamed: all its dimensions, scales, offsets, coordinate system and other records are kept,
+    and points that the cloud has dropped get 0 or NaN. Of any other format the points of the cloud are written, in
+    their order, rounded to 0.1 mm, with colour, intensity, classification and normals; dropped points, which are NaN
+    or invalid there, are left out.
+    Raises ValueError if an extra has not the length of the cloud, ReadError if the scan is not the cloud's any more.
+    """
+    scan, path = Path(scan), Path(path)
+    for name, values in extra.items():
+        if values.shape != (len(cloud),):
+            raise ValueError(f"{name} has the shape {values.shape}, expected is {(len(cloud),)}")
+    with replacing(path) as beside:
+        if READERS.get(scan.suffix.lower()) is read_las:
+            _stream(scan, beside, cloud, extra, progress)
+        else:
+            write_las(beside, cloud, extra)
+            if progress is not None:
+                progress(1.0)
+
+
+def _stream(scan: Path, path: Path, cloud: Cloud, extra: Mapping[str, NDArray[Any]], progress: Progress | None) -> None:
+    import laspy
+
+    with open_las(scan) as reader:
+        total = reader.header.point_count
+        if total != len(cloud) + cloud.dropped:
+            wrong = f"holds {total} points, {len(cloud) + cloud.dropped} when it was read"
+            raise ReadError(scan, wrong, "leave the scan alone while it is worked on")
+        header = reader.header.copy()
+        # the index of a cloud-optimised LAZ does not fit the new file
+        header.vlrs = [vlr for vlr in header.vlrs if vlr.user_id != "copc"]
+        add_extras(header, extra)
+        same = [name for name in reader.header.point_format.dtype().names if name not in extra]
+        at, done = 0, 0
+        with open_writer(path, header) as writer:
+            for points in las_points(scan, reader):
+                labelled = laspy.ScaleAwarePointRecord.zeros(len(points), header=header)
+                for name in same:  # the packed fields, so that not a bit of them changes
+                    labelled.array[name] = points.array[name]
+                kept = slice(None) if cloud.kept is None else cloud.kept[done : done + len(points)]
+                n = len(points) if cloud.kept is None else int(cloud.kept[done : done + len(points)].sum())
+                for name, values in extra.items():
+                    if n < len(points) and values.dtype.kind == "f":
+                        labelled.array[name] = np.nan
+                    labelled.array[name][kept] = values[at : at + n]
+                writer.write_points(labelled)
+                at, done = at + n, done + len(points)
+                if progress is not None:
+                    progress(done / total)
+            evlrs = [vlr for vlr in reader.evlrs or [] if vlr.user_id != "copc"]
+            if evlrs:
+                writer.write_evlrs(laspy.vlrs.vlrlist.VLRList(evlrs))
