@@ -47,6 +47,11 @@ class Groin(Vault):
         """Rise of the arch across y [m]."""
         return self.profile_y.rise(self.span_y / 2)
 
+    @derived("m", "crown at the middle above the springing")
+    def rise(self) -> float:
+        """Crown at the middle above the springing [m]."""
+        return max(self.rise_x, self.rise_y) + self.crown_rise
+
     @derived("m", "crown at the middle above the higher wall arch")
     def crown_rise(self) -> float:
         """Crown at the middle above the higher wall arch [m]."""

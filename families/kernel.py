@@ -195,11 +195,11 @@ def _room(x: float, y: float, z: float, parts: Array, plan: Array) -> tuple[floa
     return d, name if z >= -1e-9 else 0, nx, ny, nz
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, nogil=True)  # serial: an optimiser calls it thousands of times on a few thousand points
 def distances(xyz: Array, frame: Array, parts: Array, plan: Array) -> Array:
     """Signed distances (n,) [m] of points (n, 3) to the room; `frame` (3, 4) brings them into the vault's frame."""
     out = np.empty(len(xyz))
-    for i in prange(len(xyz)):
+    for i in range(len(xyz)):
         px, py, pz = xyz[i, 0], xyz[i, 1], xyz[i, 2]
         x = frame[0, 0] * px + frame[0, 1] * py + frame[0, 2] * pz + frame[0, 3]
         y = frame[1, 0] * px + frame[1, 1] * py + frame[1, 2] * pz + frame[1, 3]

@@ -1,0 +1,1 @@
+"""vaultcad: from laser scans of masonry vaults to BIM-ready parametric solids."""

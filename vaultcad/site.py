@@ -1,0 +1,193 @@
+"""What a scan says before any family is tried: the points above the floor, how the room is turned, and its plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vaultcad.errors import NoVaultError
+
+if TYPE_CHECKING:
+    from segmentation.cloud import Cloud
+
+Array = NDArray[np.float64]
+FEWEST = 1000  # points of a scan
+CELL, CELLS = 0.004, (0.02, 0.08)  # thinning, as a share of the scan's diagonal, and its limits in metres
+STEEP = 0.3  # |nz| of a wall at the most
+LEVEL = 0.9  # |nz| of a floor at the least
+EDGE = 0.02  # share of the evidence that an edge without a wall has
+BIN = 0.05  # m, of the histograms along the plan's axes
+
+
+@dataclass(frozen=True)
+class Site:
+    """Thinned points that may be vault or wall, with normals and weights, and the rectangle they stand on.
+
+    points: (n, 3) in the cloud's local frame. normals: (n, 3), unoriented. weights: (n,), an even share of area each,
+    less for walls. yaw: of the rectangle's x axis [rad]. low, high: (2,) its corners in that turned frame [m].
+    walled: (2, 2) whether a wall stands there, by axis and side. bottom, crown: heights of
+    the points kept [m]. spacing: of the points [m].
+    """
+
+    points: Array
+    normals: Array
+    weights: Array
+    yaw: float
+    low: Array
+    high: Array
+    walled: NDArray[np.bool_]
+    bottom: float
+    crown: float
+    spacing: float
+
+    @property
+    def centre(self) -> Array:
+        """(2,) of the rectangle in the local frame [m]."""
+        middle: Array = (self.low + self.high)[None] / 2
+        return np.asarray(turned(middle, -self.yaw)[0])
+
+    @property
+    def spans(self) -> Array:
+        """(2,) of the rectangle [m]."""
+        spans: Array = self.high - self.low
+        return spans
+
+    def edges(self) -> tuple[Array, Array]:
+        """Where no wall stands, points (k, 3) on the plan's edge below all others, and their shares (k,) of the weight.
+
+        They tie the plan to the end of the stone, as a wall would.
+        """
+        rows = []
+        for axis, side in zip(*np.nonzero(~self.walled), strict=True):
+            along = np.linspace(self.low[1 - axis], self.high[1 - axis], 12)[1:-1]
+            xy = np.empty((len(along), 2))
+            xy[:, 1 - axis], xy[:, axis] = along, (self.low if side == 0 else self.high)[axis]
+            rows.append(np.column_stack([turned(xy, -self.yaw), np.full(len(along), self.bottom - 1.0)]))
+        points = np.concatenate(rows) if rows else np.empty((0, 3))
+        return points, np.full(len(points), EDGE / 10)
+
+
+def survey(cloud: Cloud) -> Site:
+    """Thin a scan to a size that suits it, take normals, and find the vault's room in it.
+
+    Raises:
+        NoVaultError: the scan is too small for a vault.
+    """
+    from segmentation.normals import estimate
+    from segmentation.voxel import thin
+
+    if len(cloud) < FEWEST:
+        raise NoVaultError(f"no vault found: the scan has {len(cloud)} points; at least {FEWEST} are needed")
+    size = float(np.linalg.norm(np.ptp(cloud.xyz, axis=0).astype(np.float64)))
+    if size == 0:
+        raise NoVaultError("no vault found: all points of the scan are one and the same")
+    voxel = float(np.clip(CELL * size, *CELLS))
+    thinned = thin(cloud.xyz, voxel)
+    normals = estimate(thinned.xyz)
+    # Means round off groins and springings, so the fit gets a point of the scan from each cell.
+    return find_site(cloud.xyz[thinned.first].astype(np.float64), normals.astype(np.float64), voxel)
+
+
+def find_site(points: Array, normals: Array, spacing: float) -> Site:
+    """The vault's room in points (n, 3) thinned to `spacing` [m] with unit normals (n, 3), up being +z.
+
+    Raises:
+        NoVaultError: there are too few points with a normal.
+    """
+    good = np.isfinite(normals).all(axis=1)
+    if good.sum() < 100:
+        raise NoVaultError(f"no vault found: {good.sum()} places of the scan have a surface; at least 100 are needed")
+    points, normals = points[good], normals[good]
+    keep = ~_floor(points, normals)
+    points, normals = points[keep], normals[keep]
+    steep = np.abs(normals[:, 2]) < STEEP
+    yaw = _yaw(points, normals)
+    low, high, walled = _rectangle(turned(points[:, :2], yaw), turned(normals[:, :2], yaw), steep)
+    weights = np.where(steep, 0.4, 1.0)
+    top = points[_inside(turned(points[:, :2], yaw), low, high), 2]
+    crown = float(np.quantile(top, 0.998)) if len(top) else float(points[:, 2].max())
+    return Site(points, normals, weights, yaw, low, high, walled, float(points[:, 2].min()), crown, spacing)
+
+
+def turned(xy: Array, yaw: float) -> Array:
+    """Points or directions (n, 2) in axes turned by `yaw` [rad]."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    out: Array = xy @ np.array([[c, -s], [s, c]])
+    return out
+
+
+def _floor(points: Array, normals: Array) -> NDArray[np.bool_]:
+    """Level points of the lowest level that holds a good share of all level points, and all below it."""
+    z = points[:, 2]
+    level = np.abs(normals[:, 2]) > LEVEL
+    if level.sum() < 50:
+        return np.zeros(len(z), bool)
+    low, high = np.quantile(z, [0.001, 0.999])
+    counts, edges = np.histogram(z[level & (z < low + 0.5 * (high - low))], bins=np.arange(low - 0.2, high + 0.1, 0.1))
+    if counts.sum() == 0 or counts.max() < 0.15 * level.sum():
+        none: NDArray[np.bool_] = z < low - 0.3
+        return none
+    k = int(counts.argmax())
+    floor: NDArray[np.bool_] = (level & (z < edges[k + 1] + 0.15)) | (z < edges[k] + 0.05)
+    return floor
+
+
+def _yaw(points: Array, normals: Array) -> float:
+    """Direction of the walls and of the cylinders' generatrices, modulo a right angle; else of the least rectangle."""
+    flat = normals[:, :2]
+    size = np.hypot(flat[:, 0], flat[:, 1])
+    angle = np.mod(np.arctan2(flat[:, 1], flat[:, 0]), np.pi / 2)
+    use = size > 0.3
+    bins = 180
+    counts = np.bincount((angle[use] / (np.pi / 2) * bins).astype(int) % bins, weights=size[use] ** 2, minlength=bins)
+    smooth = np.sum([np.roll(counts, k) * (3 - abs(k)) for k in range(-2, 3)], axis=0) / 9
+    k = int(np.argmax(smooth))
+    if smooth[k] < 2.0 * np.median(smooth) or use.sum() < 100:
+        return _least_rectangle(points[:, :2])
+    centre = (k + 0.5) / bins * np.pi / 2
+    off = np.mod(angle[use] - centre + np.pi / 4, np.pi / 2) - np.pi / 4
+    near = np.abs(off) < np.radians(4)
+    yaw = centre + float(np.median(off[near]))
+    return float(np.mod(yaw + np.pi / 4, np.pi / 2) - np.pi / 4)
+
+
+def _least_rectangle(xy: Array) -> float:
+    """Yaw in [-45, 45) degrees of the rectangle of least area about the points (Freeman and Shapira 1975)."""
+    from scipy.spatial import ConvexHull
+
+    hull = xy[ConvexHull(xy).vertices]
+    edges = np.roll(hull, -1, axis=0) - hull
+    angles = np.mod(np.arctan2(edges[:, 1], edges[:, 0]) + np.pi / 4, np.pi / 2) - np.pi / 4
+    areas = [np.prod(np.ptp(turned(hull, a), axis=0)) for a in angles]
+    return float(angles[int(np.argmin(areas))])
+
+
+def _rectangle(xy: Array, normals: Array, steep: NDArray[np.bool_]) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Outermost walls along both axes; where there is none, where the points end."""
+    low, high, walled = np.empty(2), np.empty(2), np.zeros((2, 2), bool)
+    for axis in range(2):
+        ends = np.quantile(xy[:, axis], [0.002, 0.998])
+        wall: NDArray[np.bool_] = steep & (np.abs(normals[:, axis]) > 0.9)
+        edges = np.arange(ends[0] - 0.5, ends[1] + 0.5 + BIN, BIN)
+        counts = np.histogram(xy[wall, axis], bins=edges)[0].astype(float)
+        counts = counts + np.roll(counts, 1)  # a wall may straddle two bins
+        enough = max(0.25 * counts.max(initial=0.0), 30.0)
+        strong = np.flatnonzero(counts >= enough)
+        middle = ends.mean()
+        for side, corner in ((0, low), (1, high)):
+            corner[axis] = ends[side]
+            mine = [k for k in strong if (edges[k] < middle) == (side == 0)]
+            if mine:
+                k = mine[0] if side == 0 else mine[-1]
+                near = wall & (np.abs(xy[:, axis] - edges[k]) < 2 * BIN)
+                corner[axis] = float(np.median(xy[near, axis]))
+                walled[axis, side] = True
+    return low, high, walled
+
+
+def _inside(xy: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+    inside: NDArray[np.bool_] = ((xy > low) & (xy < high)).all(axis=1)
+    return inside

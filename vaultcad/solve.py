@@ -1,0 +1,133 @@
+"""Robust, bounded least squares: pose and parameters of a vault against points, all at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Vault, kernel
+from vaultcad.model import Pose
+
+Array = NDArray[np.float64]
+POSE = ("x", "y", "z", "yaw")
+STEP = 1e-6  # of finite differences; lengths are metres, ratios and angles of the same order
+MARGIN = 1e-9
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A vault where it stands."""
+
+    vault: Vault
+    pose: Pose
+
+    def distance(self, points: Array) -> Array:
+        """Signed distances (n,) [m] of points (n, 3) to the vault on its walls."""
+        table = kernel.pack(self.vault.pieces(), self.vault.components)
+        out: Array = kernel.distances(points, self.pose.frame(), table, kernel.pack_plan(self.vault.plan))
+        return out
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Where the least squares came to rest.
+
+    names: the unknowns, pose first. jacobian: (n, k) of the distances. weights: (n,) robust weights times the points'.
+    """
+
+    placed: Placed
+    names: tuple[str, ...]
+    residuals: Array
+    weights: Array
+    jacobian: Array
+    converged: bool
+
+
+def robust_cost(residuals: Array, scale: float) -> Array:
+    """Geman and McClure (1987): (n,) from 0 for a fit to 1 for an outlier; one half at |residual| = scale [m]."""
+    squared = (residuals / scale) ** 2
+    cost: Array = squared / (1 + squared)
+    return cost
+
+
+def solve(
+    start: Placed, points: Array, weights: Array, free: tuple[str, ...], scales: tuple[float, ...], *, most: int = 15
+) -> Solution:
+    """Fit pose and the `free` parameters to points (n, 3) with weights (n,).
+
+    Levenberg-Marquardt on iteratively reweighted residuals; the loss narrows through `scales` [m], from one that sees
+    far outliers to one that does not (graduated non-convexity, Blake and Zisserman 1987). Steps are projected on the
+    parameters' ranges; an unknown that leans on its bound rests there (Kanzow, Yamashita, Fukushima 2004).
+    """
+    names = (*POSE, *free)
+    low, high = _bounds(start.vault, free)
+    x = np.clip(_vector(start, free), low, high)
+    placed, converged = _placed(start, free, x), False
+    r = placed.distance(points)
+    for scale in scales:
+        damping, converged = 1e-3, False
+        cost = float(weights @ robust_cost(r, scale))
+        for _ in range(most):
+            w = weights / (1 + (r / scale) ** 2) ** 2
+            jacobian = _jacobian(start, free, x, high, points, r)
+            gradient, hessian = jacobian.T @ (w * r), (jacobian.T * w) @ jacobian
+            resting = ((x <= low + MARGIN) & (gradient > 0)) | ((x >= high - MARGIN) & (gradient < 0))
+            moved = False
+            while damping < 1e6:
+                step = _step(hessian, gradient, damping, ~resting)
+                trial = np.clip(x + step, low, high)
+                new = _placed(start, free, trial)
+                residuals = new.distance(points)
+                trial_cost = float(weights @ robust_cost(residuals, scale))
+                if trial_cost < cost:
+                    damping, moved = max(damping / 5, 1e-9), True
+                    break
+                damping *= 5
+            if not moved:
+                converged = True  # no direction lowers the cost
+                break
+            gain, size = (cost - trial_cost) / max(cost, 1e-300), float(np.abs(trial - x).max())
+            x, r, cost, placed = trial, residuals, trial_cost, new
+            if size < 1e-7 or gain < 1e-7:
+                converged = True
+                break
+    w = weights / (1 + (r / scales[-1]) ** 2) ** 2
+    return Solution(placed, names, r, w, _jacobian(start, free, x, high, points, r), converged)
+
+
+def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool_]) -> Array:
+    step = np.zeros_like(gradient)
+    h = hessian[np.ix_(free, free)]
+    diagonal = np.diag(h) + 1e-12 * max(float(np.diag(h).max(initial=0.0)), 1e-12)
+    step[free] = -np.linalg.solve(h + np.diag(damping * diagonal + 1e-15), gradient[free])
+    return step
+
+
+def _jacobian(start: Placed, free: tuple[str, ...], x: Array, high: Array, points: Array, r: Array) -> Array:
+    jacobian = np.empty((len(points), len(x)))
+    for k in range(len(x)):
+        step = STEP if x[k] + STEP <= high[k] else -STEP
+        moved = x.copy()
+        moved[k] += step
+        jacobian[:, k] = (_placed(start, free, moved).distance(points) - r) / step
+    return jacobian
+
+
+def _vector(placed: Placed, free: tuple[str, ...]) -> Array:
+    values = placed.vault.values()
+    p = placed.pose
+    return np.array([p.x, p.y, p.z, p.yaw, *(values[name] for name in free)])
+
+
+def _placed(start: Placed, free: tuple[str, ...], x: Array) -> Placed:
+    vault = start.vault.replaced(dict(zip(free, x[4:].tolist(), strict=True)))
+    return Placed(vault, Pose(*x[:4].tolist()))
+
+
+def _bounds(vault: Vault, free: tuple[str, ...]) -> tuple[Array, Array]:
+    ranges = {p.name: p.range for p in vault.parameters()}
+    low = [-np.inf] * 4 + [ranges[name].low for name in free]
+    high = [np.inf] * 4 + [ranges[name].high for name in free]
+    return np.array(low), np.array(high)

@@ -1,0 +1,19 @@
+"""Versions of what a result hangs on."""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+
+NAMED = ("vaultcad", "numpy", "scipy", "numba", "build123d", "cadquery-ocp", "ifcopenshell", "laspy")
+
+
+def versions() -> dict[str, str]:
+    """Package -> version of those that are installed, and Python's."""
+    found = {"python": platform.python_version()}
+    for name in NAMED:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
