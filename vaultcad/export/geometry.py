@@ -1,0 +1,194 @@
+"""Solids and meshes of a vault, each made once and shared by all exporters.
+
+A component's body is its share of the masonry: the closed mesh of the whole is cut along joints that rise plumb from
+the edges between components on the intrados (level joints between dome, drum and pendentives). Bodies therefore fill
+the whole without gap or overlap, whatever the family.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Vault
+from families.mesh import Mesh, mesh_solid
+from families.parts import Turned
+
+TOLERANCE = 0.002  # [m] between triangles and the exact surface
+BEYOND = 10.0  # [m] by which the prisms that cut reach past the masonry
+ON_EDGE = 1e-6  # [m]
+KEPT = 8  # vaults whose meshes are remembered
+
+Floats = NDArray[np.float64]
+Triangles = NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Body:
+    """A component's share of the masonry in the vault's frame: a closed mesh, triangles (m, 3) turned outwards.
+
+    `id` is the component's label, `vertices` are (n, 3) [m], `intrados_area` [m²] is what the room sees of it.
+    """
+
+    id: int
+    name: str
+    vertices: Floats
+    triangles: Triangles
+    intrados_area: float
+
+    @property
+    def volume(self) -> float:
+        """Enclosed volume [m³]."""
+        a, b, c = (self.vertices[self.triangles[:, k]] for k in range(3))
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+@lru_cache(maxsize=KEPT)
+def masonry(vault: Vault, thickness: float) -> Any:
+    """The exact masonry (TopoDS_Shape) in the vault's frame [mm]."""
+    from families import brep
+
+    return brep.masonry(vault, thickness)
+
+
+@lru_cache(maxsize=KEPT)
+def shell(vault: Vault, thickness: float) -> Mesh:
+    """The masonry as one closed mesh, as `families.mesh.mesh_solid` makes it."""
+    return mesh_solid(vault, thickness, TOLERANCE)
+
+
+@lru_cache(maxsize=KEPT)
+def bodies(vault: Vault, thickness: float) -> tuple[Body, ...]:
+    """One body for each component of which something shows, in the order of the components."""
+    mesh = shell(vault, thickness)
+    areas = np.bincount(mesh.component, mesh.areas, len(vault.components) + 2)
+    names = {k: name for k, name in enumerate(vault.components, 1) if areas[k] > 0}
+    if len(names) == 1:
+        (k,) = names
+        return (Body(k, names[k], mesh.vertices, mesh.triangles, float(areas[k])),)
+    turned = [part for piece in vault.pieces() for part in piece.parts if isinstance(part, Turned)]
+    cut = _level(vault, mesh, turned[0]) if turned else _plumb(vault, mesh, areas)
+    shares = {k: _arrays(share) for k, share in cut}
+    return tuple(Body(k, name, *shares[k], float(areas[k])) for k, name in names.items())
+
+
+def loops(triangles: Triangles) -> list[list[int]]:
+    """The borders of a patch as closed rows of vertex indices, in the direction of its triangles."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).tolist()
+    inner = {(b, a) for a, b in edges}
+    following: dict[int, list[int]] = {}
+    for a, b in edges:
+        if (a, b) not in inner:
+            following.setdefault(a, []).append(b)
+    found = []
+    while following:
+        row = [next(iter(following))]
+        while True:
+            after = following[row[-1]]
+            vertex = after.pop()
+            if not after:
+                del following[row[-1]]
+            if vertex == row[0]:
+                break
+            row.append(vertex)
+        found.append(row)
+    return found
+
+
+def _level(vault: Vault, mesh: Mesh, turned: Turned) -> Iterator[tuple[int, Any]]:
+    """Dome, drum and pendentives, cut by level planes; pendentives from each other along the axes."""
+    up = (0.0, 0.0, 1.0)
+    above, below = _manifold(mesh.vertices, mesh.triangles).split_by_plane(up, turned.foot)
+    for name in dict.fromkeys(turned.names):
+        k = vault.components.index(name) + 1
+        if name == turned.names[-1]:
+            yield k, above
+        else:
+            above, drum = above.split_by_plane(up, turned.base)
+            yield k, drum
+    for k, name in enumerate(vault.components, 1):
+        if name not in turned.names:
+            centre = mesh.vertices[mesh.triangles[mesh.component == k]].mean(axis=(0, 1))
+            quarter = below
+            for axis in (0, 1):
+                normal = [0.0, 0.0, 0.0]
+                normal[axis] = float(np.sign(centre[axis]))
+                quarter = quarter.trim_by_plane(normal, 0.0)
+            yield k, quarter
+
+
+def _plumb(vault: Vault, mesh: Mesh, areas: NDArray[Any]) -> Iterator[tuple[int, Any]]:
+    """Each component cut out by a prism over its plan; the largest is what is left, so that nothing is lost."""
+    import manifold3d
+
+    whole = _manifold(mesh.vertices, mesh.triangles)
+    largest = int(areas[1:-1].argmax()) + 1
+    prisms = {k: _prism(vault, mesh, k) for k in range(1, len(vault.components) + 1) if areas[k] and k != largest}
+    for k, prism in prisms.items():
+        yield k, whole ^ prism
+    others = manifold3d.Manifold.batch_boolean(list(prisms.values()), manifold3d.OpType.Add)
+    yield largest, whole - others
+
+
+def _prism(vault: Vault, mesh: Mesh, component: int) -> Any:
+    """Over the plan of one component, carried on outwards where it ends at a wall."""
+    import manifold3d
+
+    rows = loops(mesh.triangles[mesh.component == component])
+    plans = [_carried_on(vault, mesh.vertices[row]) for row in rows]
+    triangles = manifold3d.triangulate(plans)
+    points = np.concatenate(plans)
+    n, low, high = len(points), -BEYOND, mesh.vertices[:, 2].max() + BEYOND
+    vertices = np.concatenate([np.column_stack([points, np.full(n, z)]) for z in (low, high)])
+    sides, start = [], 0
+    for plan in plans:
+        a = np.arange(start, start + len(plan))
+        b = np.roll(a, -1)
+        sides += [np.column_stack([a, b, b + n]), np.column_stack([a, b + n, a + n])]
+        start += len(plan)
+    return _manifold(vertices, np.concatenate([triangles[:, ::-1], triangles + n, *sides]))
+
+
+def _carried_on(vault: Vault, row: Floats) -> Floats:
+    """A border (n, 3) in plan, (m, 2) counterclockwise; stretches at the walls go out, joints from their ends."""
+    plan = vault.plan
+    half, on_wall = np.array([plan.half_x, plan.half_y]), np.array([plan.on_wall_x, plan.on_wall_y])
+    at_wall = np.abs(row[:, :2]) > half - ON_EDGE
+    # Where wall arches stand outside the springings, the corner between is shared along the diagonal.
+    low = row[:, 2] < ON_EDGE
+    corner = (at_wall & ~on_wall).any(axis=1) & low
+    row = row[keep := at_wall.any(axis=1) | ~(low & np.roll(low, 1) & np.roll(low, -1))]
+    at_wall, corner = at_wall[keep], corner[keep]
+    out = at_wall | corner[:, None]
+    far = np.where(out, np.sign(row[:, :2]) * (half + BEYOND), row[:, :2])
+    points: list[Floats] = []
+    for k, moved in enumerate(out.any(axis=1)):
+        near = [] if corner[k] else [row[k, :2]]
+        if not moved:
+            points += near
+        elif not out[k - 1].any():
+            points += [*near, far[k]]
+        elif not out[(k + 1) % len(row)].any():
+            points += [far[k], *near]
+        else:
+            points.append(far[k])
+    outline = np.array(points)[::-1]  # triangles face the room below: clockwise from above
+    x, y = outline.T
+    return outline if x @ np.roll(y, -1) > y @ np.roll(x, -1) else outline[::-1]
+
+
+def _manifold(vertices: Floats, triangles: NDArray[np.integer]) -> Any:
+    import manifold3d
+
+    mesh = manifold3d.Mesh64(np.ascontiguousarray(vertices), np.ascontiguousarray(triangles, dtype=np.uint64))
+    return manifold3d.Manifold(mesh)
+
+
+def _arrays(manifold: Any) -> tuple[Floats, Triangles]:
+    mesh = manifold.to_mesh64()
+    return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int32)

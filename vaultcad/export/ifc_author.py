@@ -1,0 +1,160 @@
+"""IFC entities as `ifc` needs them: reproducible GlobalIds, placements, triangulated bodies, properties, quantities."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vaultcad.export.palette import Colour
+
+Entity = Any  # ifcopenshell has no types
+
+NAMESPACE = uuid.UUID("6f2b9c52-3d0e-5b0c-9c55-6c1d1a9f7e10")  # of all GlobalIds by vaultcad; any fixed value serves
+DECIMALS = 6  # of coordinates [m]
+
+# Measure of a property by its unit; plain numbers are reals.
+MEASURES = {"m": "IfcLengthMeasure", "rad": "IfcPlaneAngleMeasure", "1": "IfcReal", "share": "IfcRatioMeasure"}
+QUANTITIES = {
+    "m": ("IfcQuantityLength", "LengthValue"),
+    "m2": ("IfcQuantityArea", "AreaValue"),
+    "m3": ("IfcQuantityVolume", "VolumeValue"),
+}
+
+
+class Author:
+    """Writes into one new IFC4 file; `seed` tells this file's GlobalIds from those of others."""
+
+    def __init__(self, seed: str) -> None:
+        import ifcopenshell
+
+        self.file = ifcopenshell.file(schema="IFC4")
+        self.seed = seed
+        self.axes = self.make("IfcAxis2Placement3D", Location=self.point(0.0, 0.0, 0.0))
+        self._styles: dict[Colour, Entity] = {}
+        self._units()
+        self._contexts()
+
+    def make(self, kind: str, *values: Any, **attributes: Any) -> Entity:
+        """An entity that has no identity of its own, or a typed value."""
+        return self.file.create_entity(kind, *values, **attributes)
+
+    def root(self, kind: str, key: str, **attributes: Any) -> Entity:
+        """An entity with a GlobalId that follows from the file's seed and `key`, which must be unique in the file."""
+        import ifcopenshell.guid
+
+        identity = ifcopenshell.guid.compress(uuid.uuid5(NAMESPACE, f"{self.seed}/{key}").hex)
+        return self.make(kind, GlobalId=identity, **attributes)
+
+    def point(self, x: float, y: float, z: float) -> Entity:
+        """A point [m]."""
+        return self.make("IfcCartesianPoint", Coordinates=(float(x), float(y), float(z)))
+
+    def placed(self, parent: Entity | None, matrix: NDArray[np.float64] | None = None) -> Entity:
+        """A placement within `parent` by a rigid motion (4, 4), or where the parent is."""
+        axes = self.axes
+        if matrix is not None:
+            z, x = (self.make("IfcDirection", DirectionRatios=matrix[:3, k].tolist()) for k in (2, 0))
+            axes = self.make("IfcAxis2Placement3D", Location=self.point(*matrix[:3, 3]), Axis=z, RefDirection=x)
+        return self.make("IfcLocalPlacement", PlacementRelTo=parent, RelativePlacement=axes)
+
+    def body(self, vertices: NDArray[np.float64], triangles: NDArray[np.integer], colour: Colour) -> Entity:
+        """Shape of a product: a closed triangulated body, vertices (n, 3) [m], triangles (m, 3) turned outwards."""
+        points = self.make("IfcCartesianPointList3D", CoordList=(np.round(vertices, DECIMALS) + 0.0).tolist())
+        faces = self.make(
+            "IfcTriangulatedFaceSet", Coordinates=points, Closed=True, CoordIndex=(triangles + 1).tolist()
+        )
+        self.make("IfcStyledItem", Item=faces, Styles=(self._style(colour),))
+        shape = self.make(
+            "IfcShapeRepresentation",
+            ContextOfItems=self.body_context,
+            RepresentationIdentifier="Body",
+            RepresentationType="Tessellation",
+            Items=(faces,),
+        )
+        return self.make("IfcProductDefinitionShape", Representations=(shape,))
+
+    def value(self, value: bool | int | float | str, unit: str = "1") -> Entity:
+        """A typed value: text and truth by themselves, numbers by their unit."""
+        match value:
+            case bool():
+                return self.make("IfcBoolean", value)
+            case str():
+                return self.make("IfcLabel", value)
+            case int():
+                return self.make("IfcInteger", value)
+        return self.make(MEASURES[unit], float(value))
+
+    def properties(self, element: Entity, name: str, rows: Iterable[tuple[str, Entity, str]]) -> None:
+        """A property set of (name, value or enumerated property, meaning) for one element."""
+        made = tuple(
+            value
+            if value.is_a("IfcProperty")
+            else self.make("IfcPropertySingleValue", Name=title, Description=meaning or None, NominalValue=value)
+            for title, value, meaning in rows
+        )
+        key = f"{element.GlobalId}/{name}"
+        self._define(element, key, self.root("IfcPropertySet", key, Name=name, HasProperties=made))
+
+    def enumerated(self, name: str, value: str, choices: tuple[str, ...], kind: str) -> Entity:
+        """A property that takes one of a standard's values."""
+        labels = tuple(self.make("IfcLabel", c) for c in choices)
+        reference = self.make("IfcPropertyEnumeration", Name=kind, EnumerationValues=labels)
+        chosen = (self.make("IfcLabel", value),)
+        return self.make(
+            "IfcPropertyEnumeratedValue", Name=name, EnumerationValues=chosen, EnumerationReference=reference
+        )
+
+    def quantities(self, element: Entity, name: str, values: Mapping[str, tuple[float, str]]) -> None:
+        """An element quantity of name -> (value, "m", "m2" or "m3")."""
+        made = []
+        for title, (value, unit) in values.items():
+            kind, attribute = QUANTITIES[unit]
+            made.append(self.make(kind, Name=title, **{attribute: round(float(value), DECIMALS)}))
+        key = f"{element.GlobalId}/{name}"
+        quantity = self.root("IfcElementQuantity", key, Name=name, Quantities=made)
+        self._define(element, key, quantity)
+
+    def relate(self, kind: str, key: str, one: tuple[str, Entity], many: tuple[str, Iterable[Entity]]) -> None:
+        """A relation from one entity to many, each with the name of its attribute."""
+        self.root(kind, key, **{one[0]: one[1], many[0]: tuple(many[1])})
+
+    def _define(self, element: Entity, key: str, definition: Entity) -> None:
+        ends = ("RelatingPropertyDefinition", definition), ("RelatedObjects", (element,))
+        self.relate("IfcRelDefinesByProperties", f"{key}/rel", *ends)
+
+    def _style(self, colour: Colour) -> Entity:
+        if colour not in self._styles:
+            red, green, blue = colour.unit
+            rgb = self.make("IfcColourRgb", Red=red, Green=green, Blue=blue)
+            shading = self.make(
+                "IfcSurfaceStyleRendering", SurfaceColour=rgb, Transparency=0.0, ReflectanceMethod="NOTDEFINED"
+            )
+            self._styles[colour] = self.make("IfcSurfaceStyle", Name=colour.hex, Side="BOTH", Styles=(shading,))
+        return self._styles[colour]
+
+    def _units(self) -> None:
+        kinds = {"LENGTHUNIT": "METRE", "AREAUNIT": "SQUARE_METRE", "VOLUMEUNIT": "CUBIC_METRE"}
+        named = (*kinds.items(), ("PLANEANGLEUNIT", "RADIAN"))
+        made = [self.make("IfcSIUnit", UnitType=kind, Name=name) for kind, name in named]
+        self.metre = made[0]
+        self.units = self.make("IfcUnitAssignment", Units=made)
+
+    def _contexts(self) -> None:
+        self.context = self.make(
+            "IfcGeometricRepresentationContext",
+            ContextType="Model",
+            CoordinateSpaceDimension=3,
+            Precision=1e-6,
+            WorldCoordinateSystem=self.axes,
+        )
+        self.body_context = self.make(
+            "IfcGeometricRepresentationSubContext",
+            ContextIdentifier="Body",
+            ContextType="Model",
+            ParentContext=self.context,
+            TargetView="MODEL_VIEW",
+        )
