@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from segmentation.labelling import label_points, regions
 from segmentation.primitives import PRIMITIVES, Primitive
 from segmentation.ransac_cloud import WorkingCloud, working_cloud
-from segmentation.ransac_joint import cost, refine_jointly, select
-from segmentation.ransac_search import EMPTY, Shapes, draws_needed, search_round, support
+from segmentation.ransac_joint import cost, refine_jointly, select, winners
+from segmentation.ransac_search import DRAWS, EMPTY, Shapes, draws_needed, measure, search_round
 from segmentation.settings import Settings
 from segmentation.split import split
 
@@ -22,6 +22,7 @@ Ints = NDArray[np.int64]
 Progress = Callable[[str, int], None]
 
 ROUNDS = 60
+NOISE_BAND = 6.0  # standard deviations
 PRICE = 0.5  # of a primitive in the choice, in minimum supports: what counts fully, within epsilon / 2, may be half of its points
 
 
@@ -73,7 +74,7 @@ def detect(
         return Segments((), np.zeros(len(xyz), dtype=np.uint16), settings.epsilon or 0.0)
     shapes = _find(cloud, settings, rng, tell)
     tell("refinement", len(shapes))
-    shapes, labels = refine_jointly(shapes, cloud.raw, cloud.normal, cloud.epsilon, settings)
+    shapes, labels = _sharpened(shapes, cloud, settings)
     components = split(cloud, labels)
     tell("labelling", len(shapes))
     found = regions(cloud, labels, components, shapes)
@@ -92,27 +93,52 @@ def detect(
 
 
 def _find(cloud: WorkingCloud, settings: Settings, rng: np.random.Generator, tell: Progress) -> Shapes:
-    """Rounds of search among what is unexplained, each followed by joint refinement and the choice by the global criterion."""
+    """Rounds of search among what is unexplained, each kept if it lowers the global criterion after joint refinement and choice."""
     shapes, price = Shapes(*EMPTY), PRICE * cloud.min_points * len(cloud) / int(cloud.count.sum())
-    draws = 0
+    active, draws = np.arange(len(cloud)), 0
     for _ in range(ROUNDS):
-        active = _unexplained(shapes, cloud, settings)
-        if len(active) < max(price, 4.0):
+        if len(active) < max(price, 4.0) or draws > draws_needed(2.0 * price / len(active), settings.overlooking_probability):
             break
+        draws += DRAWS
         new = search_round(cloud, active, cloud.epsilon, price, settings, rng)
-        draws += 384
-        if len(new):
-            shapes, _ = refine_jointly(shapes.joined(new), cloud.mean, cloud.normal, cloud.epsilon, settings, rounds=4)
-            shapes = select(shapes, cloud, cloud.epsilon, price, settings)
-            draws = 0
+        if len(new) == 0:
+            continue
+        trial, _ = refine_jointly(shapes.joined(new), cloud.mean, cloud.normal, cloud.epsilon, settings, rounds=4)
+        trial = select(trial, cloud, cloud.epsilon, price, settings)
+        left = _unexplained(trial, cloud, settings)
+        if len(left) + price * len(trial) < len(active) + price * len(shapes):
+            shapes, active, draws = trial, left, 0
             tell("search", len(shapes))
-        elif draws >= draws_needed(2.0 * price / len(active), settings.overlooking_probability):
-            break
     return shapes
 
 
 def _unexplained(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> Ints:
+    """Cells that no primitive explains, and that are no edge of one: there, neither the mean nor an estimated normal is on a surface."""
     if len(shapes) == 0:
         return np.arange(len(cloud))
-    share = support(shapes, cloud.mean, cloud.normal, cloud.epsilon, math.cos(settings.alpha))
-    return np.flatnonzero(share.max(axis=0) <= 0.0)
+    price = cost(shapes, cloud.mean, cloud.normal, cloud.epsilon, math.cos(settings.alpha))
+    label = winners(price)
+    distance, _ = measure(shapes, cloud.mean, cloud.normal)
+    beside = np.flatnonzero((label[cloud.tail] < 0) & (label[cloud.head] >= 0))
+    tail, owner = cloud.tail[beside], label[cloud.head[beside]]
+    label[tail[np.abs(distance[owner, tail]) < max(cloud.epsilon, 0.5 * cloud.size)]] = 0
+    return np.flatnonzero(label < 0)
+
+
+def _sharpened(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> tuple[Shapes, Ints]:
+    """Joint refinement on true points in ever narrower bands, down to their noise, and the labels (m,) of the cells.
+
+    Where two primitives touch without crossing, a wide band leaves it open which one a point belongs to.
+    """
+    epsilon, extent = cloud.epsilon, float(np.ptp(cloud.raw, axis=0).max())
+    shapes, labels = refine_jointly(shapes, cloud.raw, cloud.normal, epsilon, settings)
+    while len(shapes) and (labels >= 0).any():
+        distance, _ = measure(shapes, cloud.raw, cloud.normal)
+        own = np.abs(distance[labels[labels >= 0], np.flatnonzero(labels >= 0)])
+        narrower = max(NOISE_BAND * 1.4826 * float(np.median(own)), 1e-4 * extent, epsilon / 4.0)
+        if narrower > 0.7 * epsilon:
+            break
+        epsilon = narrower
+        shapes, _ = refine_jointly(shapes, cloud.raw, cloud.normal, epsilon, settings)
+        labels = winners(cost(shapes, cloud.raw, cloud.normal, cloud.epsilon, math.cos(settings.alpha)))
+    return shapes, labels

@@ -16,7 +16,7 @@ Ints = NDArray[np.int64]
 
 TARGET = 24_000  # cells aimed at: small parts keep hundreds of points, and a pass over all takes a millisecond
 PROBE = 40_000  # points that the first look at the cloud takes
-NORMAL_NEIGHBOURS = 20
+NORMAL_NEIGHBOURS = 12
 MISFIT = 1 / 400  # masonry departs from its ideal by this share of its size; epsilon allows that
 STEPS = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1], indexing="ij"), axis=-1).reshape(-1, 3)
 

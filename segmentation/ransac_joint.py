@@ -5,11 +5,13 @@ not worth their price go, two that one can replace merge. Source: Isack and Boyk
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
+from segmentation.primitives_sample import MINIMAL_SETS
 from segmentation.ransac_cloud import WorkingCloud
-from segmentation.ransac_search import Floats, Ints, Shapes, measure, polish, sizes_of, spread, support
+from segmentation.ransac_search import EMPTY, Floats, Ints, Shapes, measure, polish, sizes_of, spread, support, through
 from segmentation.refine import least_squares
 from segmentation.settings import Settings
 
@@ -17,6 +19,8 @@ ROUNDS = 30
 NORMAL_PRICE = 0.25  # what a deviation of alpha costs beside a distance of epsilon, which costs 1
 FIT_POINTS = 8000  # points that decide the primitives; the labels are for all
 CHOICE_POINTS = 6000
+SIMPLER = 0.02  # share of what a primitive explains that one with fewer parameters may leave
+TRIALS = 64  # minimal sets that look for a simpler primitive
 
 
 def cost(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, cos_alpha: float) -> Floats:
@@ -35,15 +39,16 @@ def refine_jointly(
     sample, directions, labels = xyz[some], normals[some], np.full(len(some), -1)
     for _ in range(rounds if len(shapes) else 0):
         price = cost(shapes, sample, directions, epsilon, cos_alpha)
-        new = _winners(price)
+        new = winners(price)
         if (new == labels).all():
             break
         labels = new
         shapes = Shapes(shapes.kinds, _fit_to_won(shapes, sample, labels, price, sizes))
-    return shapes, _winners(cost(shapes, xyz, normals, epsilon, cos_alpha))
+    return shapes, winners(cost(shapes, xyz, normals, epsilon, cos_alpha))
 
 
-def _winners(price: Floats) -> Ints:
+def winners(price: Floats) -> Ints:
+    """The cheapest primitive (n,) of prices (k, n), -1 where all are infinite."""
     if len(price) == 0:
         return np.full(price.shape[1], -1)
     winner = np.argmin(price, axis=0)
@@ -62,44 +67,82 @@ def _fit_to_won(shapes: Shapes, xyz: Floats, labels: Ints, price: Floats, sizes:
 
 
 def select(shapes: Shapes, cloud: WorkingCloud, epsilon: float, price: float, settings: Settings) -> Shapes:
-    """Drop and merge primitives while that lowers the cells left unexplained plus `price` for each primitive."""
+    """Drop, simplify and merge primitives while that lowers the cells left unexplained plus `price` for each primitive."""
     some = spread(len(cloud), CHOICE_POINTS)
-    xyz, normals, cos_alpha = cloud.mean[some], cloud.normal[some], math.cos(settings.alpha)
-    price = price * len(some) / len(cloud)
-    changed = True
-    while changed and len(shapes):
-        share = support(shapes, xyz, normals, epsilon, cos_alpha)
+    choice = _Choice(cloud.mean[some], cloud.normal[some], epsilon, price * len(some) / len(cloud), settings)
+    while True:
+        changed = choice.dropped(shapes) or choice.simplified(shapes) or choice.merged(shapes)
+        if changed is None:
+            return shapes
+        shapes = changed
+
+
+@dataclass(frozen=True, eq=False)
+class _Choice:
+    """The points (n, 3) that judge primitives, and the price of one; each method returns a better choice or None."""
+
+    xyz: Floats
+    normals: Floats
+    epsilon: float
+    price: float
+    settings: Settings
+
+    def share(self, shapes: Shapes) -> Floats:
+        return support(shapes, self.xyz, self.normals, self.epsilon, math.cos(self.settings.alpha))
+
+    def dropped(self, shapes: Shapes) -> Shapes | None:
+        """Without the primitive that adds least to the others, where that is less than its price."""
+        if len(shapes) == 0:
+            return None
+        share = self.share(shapes)
         ranked = np.sort(share, axis=0)
-        best, second = ranked[-1], ranked[-2] if len(shapes) > 1 else np.zeros(len(some))
-        loss = np.where(share == best, best - second, 0.0).sum(axis=1)
+        second = ranked[-2] if len(shapes) > 1 else np.zeros(len(self.xyz))
+        loss = np.where(share == ranked[-1], ranked[-1] - second, 0.0).sum(axis=1)
         worst = int(np.argmin(loss))
-        changed = bool(loss[worst] < price)
-        if changed:
-            shapes = shapes.take(np.arange(len(shapes)) != worst)
-            continue
-        merged = _merge_one(shapes, xyz, normals, share, epsilon, price, settings)
-        changed = merged is not None
-        shapes = merged or shapes
-    return shapes
+        return shapes.take(np.arange(len(shapes)) != worst) if loss[worst] < self.price else None
 
+    def simplified(self, shapes: Shapes) -> Shapes | None:
+        """With a primitive of fewer parameters in place of the first that it explains about as well: no giant sphere for a floor."""
+        share = self.share(shapes)
+        for i in range(len(shapes)):
+            rest = np.delete(share, i, axis=0).max(axis=0, initial=0.0)
+            theirs = np.flatnonzero((share[i] > 0.0) & (share[i] >= rest) & np.isfinite(self.normals).all(axis=1))
+            loss = SIMPLER * max((share[i] - rest).clip(0.0).sum(), self.price)
+            for kind in (k for k in self.settings.kinds if k < shapes.kinds[i]):
+                simple = self._drawn(kind, theirs)
+                after = np.maximum(rest, self.share(simple)).sum(axis=1)
+                if len(simple) and after.max() > np.maximum(rest, share[i]).sum() - loss:
+                    others = shapes.take(np.arange(len(shapes)) != i)
+                    return others.joined(simple.take(np.array([int(np.argmax(after))])))
+        return None
 
-def _merge_one(
-    shapes: Shapes, xyz: Floats, normals: Floats, share: Floats, epsilon: float, price: float, settings: Settings
-) -> Shapes | None:
-    """The primitives with the first pair of a kind replaced by one that explains as much but for `price`; None if there is none."""
-    cos_alpha = math.cos(settings.alpha)
-    for i in range(len(shapes)):
-        for j in range(i + 1, len(shapes)):
-            if shapes.kinds[i] != shapes.kinds[j]:
-                continue
-            pair = shapes.take(np.array([i, j]))
-            rest = np.delete(share, [i, j], axis=0).max(axis=0, initial=0.0)
-            before = np.maximum(rest, share[[i, j]].max(axis=0)).sum()
-            theirs = np.flatnonzero((share[[i, j]].max(axis=0) > 0.0) & (share[[i, j]].max(axis=0) >= rest))
-            joint = polish(pair, xyz[theirs], normals[theirs], 3.0 * epsilon, settings)
-            joint = polish(joint, xyz[theirs], normals[theirs], epsilon, settings)
-            after = np.maximum(rest, support(joint, xyz, normals, epsilon, cos_alpha)).sum(axis=1)
-            if after.max() > before - price:
-                kept = shapes.take(np.delete(np.arange(len(shapes)), [i, j]))
-                return kept.joined(joint.take(np.array([int(np.argmax(after))])))
-    return None
+    def merged(self, shapes: Shapes) -> Shapes | None:
+        """With one primitive in place of the first two of a kind that explain as much but for its price."""
+        share = self.share(shapes)
+        for i in range(len(shapes)):
+            for j in np.flatnonzero(shapes.kinds == shapes.kinds[i]):
+                if j <= i:
+                    continue
+                rest, pair = np.delete(share, [i, j], axis=0).max(axis=0, initial=0.0), share[[i, j]].max(axis=0)
+                theirs = np.flatnonzero((pair > 0.0) & (pair >= rest))
+                joint = shapes.take(np.array([i, j]))
+                for band in (3.0 * self.epsilon, self.epsilon):
+                    joint = polish(joint, self.xyz[theirs], self.normals[theirs], band, self.settings)
+                after = np.maximum(rest, self.share(joint)).sum(axis=1)
+                if after.max() > np.maximum(rest, pair).sum() - self.price:
+                    others = shapes.take(np.delete(np.arange(len(shapes)), [i, j]))
+                    return others.joined(joint.take(np.array([int(np.argmax(after))])))
+        return None
+
+    def _drawn(self, kind: int, among: Ints) -> Shapes:
+        """The best few primitives of a kind through minimal sets spread over the points `among`."""
+        size = MINIMAL_SETS[kind].size
+        if len(among) < size:
+            return Shapes(*EMPTY)
+        first = spread(len(among), TRIALS)
+        sets = among[(first[:, None] + np.arange(size) * (len(among) // size)) % len(among)]
+        drawn = through(kind, self.xyz[sets], self.normals[sets], self.settings)
+        few = among[spread(len(among), 4 * TRIALS)]
+        total = support(drawn, self.xyz[few], self.normals[few], self.epsilon, math.cos(self.settings.alpha)).sum(axis=1)
+        best = drawn.take(np.argsort(-total, kind="stable")[:3])
+        return polish(best, self.xyz[few], self.normals[few], self.epsilon, self.settings)

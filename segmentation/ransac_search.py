@@ -122,19 +122,22 @@ def _draw(cloud: WorkingCloud, active: Ints, settings: Settings, rng: np.random.
     levels = max(3, math.ceil(math.log2(int(cloud.cell.max()) + 1)))
     found = Shapes(*EMPTY)
     for kind in settings.kinds:
-        size = MINIMAL_SETS[kind].size
         seed = np.minimum(((np.arange(DRAWS) + rng.random(DRAWS)) * len(active) / DRAWS).astype(np.int64), len(active) - 1)
         shift = 3 * rng.integers(2, levels + 1, DRAWS)
         start = (code[seed] >> shift) << shift
         low, high = np.searchsorted(code, start), np.searchsorted(code, start + (np.int64(1) << shift))
-        others = low[:, None] + (rng.random((DRAWS, size - 1)) * (high - low)[:, None]).astype(np.int64)
+        others = low[:, None] + (rng.random((DRAWS, MINIMAL_SETS[kind].size - 1)) * (high - low)[:, None]).astype(np.int64)
         sets = active[np.concatenate((seed[:, None], others), axis=1)]
-        rows, whole = MINIMAL_SETS[kind].rows(cloud.mean[sets], cloud.normal[sets])
-        low_size, high_size = settings.size_limits(kind)
-        slack = 0.1 * low_size, 0.1 * high_size  # least squares brings the size within its limits
-        whole &= (rows[:, 6] >= low_size - slack[0]) & (rows[:, 6] <= high_size + slack[1])
-        found = found.joined(Shapes(np.full(int(whole.sum()), kind), rows[whole]))
+        found = found.joined(through(kind, cloud.mean[sets], cloud.normal[sets], settings))
     return found
+
+
+def through(kind: int, xyz: Floats, normals: Floats, settings: Settings) -> Shapes:
+    """The primitives of a kind through minimal sets (s, size, 3), without the degenerate and those well beyond the size limits."""
+    rows, whole = MINIMAL_SETS[kind].rows(xyz, normals)
+    low, high = settings.size_limits(kind)
+    whole &= (rows[:, 6] >= 0.9 * low) & (rows[:, 6] <= 1.1 * high)  # least squares brings the size within its limits
+    return Shapes(np.full(int(whole.sum()), kind), rows[whole])
 
 
 def draws_needed(share: float, probability: float) -> float:
