@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -76,7 +77,7 @@ def _barrel(rng: Random) -> Vault:
 
 def _lunette(rng: Random) -> Vault:
     count, ratio = int(rng.integers(1, 5)), _either(rng, 0.6, 1.0, 0.8, 0.98)
-    return Lunette(
+    plain = Lunette(
         span=rng.uniform(3.2, 7),
         length=count * rng.uniform(2, 3.2) / ratio,
         profile=_profile(rng, "semicircular", "segmental", "basket-handle", "elliptical"),
@@ -84,9 +85,12 @@ def _lunette(rng: Random) -> Vault:
         pitch_ratio=ratio,
         shift_ratio=_either(rng, 0.6, 0.0, -0.8, 0.8),
         width_ratio=rng.uniform(0.6, 0.95),
-        springing_ratio=rng.uniform(0, 0.6),
+        springing_ratio=0.0,
         lunette_profile=_profile(rng, "semicircular", "segmental", "pointed"),
     )
+    # Lunettes reach well up into the barrel, at least to half its rise.
+    crown = rng.uniform(0.5, 0.85) * plain.rise
+    return replace(plain, springing_ratio=max(0.0, (crown - plain.lunette_rise) / (plain.rise - plain.lunette_rise)))
 
 
 def _trough(rng: Random) -> Vault:

@@ -43,7 +43,7 @@ def _lamp(vault: Vault, settings: ScannerSettings, rng: np.random.Generator) -> 
     bottom = min(max(rng.uniform(-0.4, 0.1), HEADROOM - settings.wall_height), crown - 0.5)
     radius, height = rng.uniform(0.18, 0.4), rng.uniform(0.2, 0.35)
     return [
-        tube([x, y, bottom], [x, y, bottom + height], (radius, 0.04), BRASS),
+        tube([x, y, bottom], [x, y, bottom + height], (radius, 0.006), BRASS),
         tube([x, y, bottom + height], [x, y, crown + 0.1], (0.006, 0.006), IRON, sides=6),
     ]
 

@@ -20,8 +20,8 @@ from vaultcad.scanner.triangles import Triangles, box, join, plain, rectangle, s
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 0.0003  # of the vault's mesh [m], below the noise of a good scanner
-LONGEST = 0.12  # edge [m], so that a mesh that is bent by the settlement stays within that tolerance
+TOLERANCE = 0.0006  # of the vault's mesh [m], as little as the noise of a good scanner
+LONGEST = 0.15  # edge [m], so that a mesh that is bent by the settlement stays about as smooth
 GAP = 0.0005  # of the walls behind the plan [m]: where a stilted vault runs up along a wall, the vault shows
 VAULT, WALL, FLOOR, DOOR = 0.65, 0.6, 0.3, 0.25  # reflectance
 REVEAL = 0.35  # depth of the jambs of doors and windows [m]

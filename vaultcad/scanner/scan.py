@@ -91,7 +91,7 @@ def _draw_stations(vault: Vault, settings: ScannerSettings, rng: np.random.Gener
     count = settings.stations
     half = np.array([vault.plan.half_x, vault.plan.half_y])
     angle = rng.uniform(0, 2 * pi) + 2 * pi * np.arange(count) / count + rng.uniform(-0.3, 0.3, count)
-    share = rng.uniform(0, 0.25, count) if count == 1 else rng.uniform(0.2, 0.5, count)
+    share = rng.uniform(0.1, 0.35, count) if count == 1 else rng.uniform(0.2, 0.5, count)
     height = settings.station_height + rng.uniform(-0.05, 0.05, count) - settings.wall_height
     stations = np.column_stack([share * np.cos(angle) * half[0], share * np.sin(angle) * half[1], height])
     room_left = -vault.distance(stations, walls=True)
@@ -144,8 +144,8 @@ def _hidden(shots: Shots, ideal: Array, share: float, rng: np.random.Generator) 
     """
     on_vault = np.flatnonzero(shots.component > 0)
     missing = np.zeros(len(shots.component), np.bool_)
-    count = int(rng.integers(2, 6))
-    centres, radii = ideal[rng.integers(len(ideal), size=count)], rng.uniform(0.5, 1.5, count)
+    count = int(rng.integers(3, 9))
+    centres, radii = ideal[rng.integers(len(ideal), size=count)], rng.uniform(0.5, 1.0, count)
     ragged = draw_waves(count=8, shortest=0.3, longest=1.5, rng=rng)
     taken = round(share * len(on_vault))
     if taken:

@@ -2,8 +2,8 @@
 
 Two parts are added, each with its own random share. The springings spread outwards and the crown comes down, as vaults
 do whose walls have given way (Heyman, "The stone skeleton", 1995); and all of it undulates by low waves, no shorter
-than the shorter span. Below the springing the field fades to nothing within `depth`, so that the walls lean and the floor
-stays. It is scaled to a largest displacement over the vault.
+than the shorter span. Below the springing the field fades to nothing within `depth`, so that the walls lean and the
+floor stays. It is scaled to a largest displacement over the vault.
 """
 
 from __future__ import annotations

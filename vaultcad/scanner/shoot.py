@@ -60,7 +60,7 @@ def aim(mesh: Triangles, rng: np.random.Generator) -> Target:
         o3d.core.Tensor.from_numpy(np.ascontiguousarray(mesh.triangles, np.uint32)),
     )
     relief = draw_waves(count=16, shortest=0.12, longest=0.8, rng=rng)
-    stain = draw_waves(count=5, shortest=0.5, longest=3.0, rng=rng)
+    stain = draw_waves(count=8, shortest=0.5, longest=3.0, rng=rng)
     return Target(caster, mesh, relief, stain)
 
 

@@ -81,10 +81,11 @@ def split(mesh: Triangles, longest: float) -> Triangles:
         marked = squared > longest**2
         if not marked.any():
             return Triangles(xyz, tri, mesh.component[source], mesh.reflectance[source])
-        edges, index = np.unique(np.sort(np.stack([a[marked], b[marked]], 1), 1), axis=0, return_inverse=True)
+        keys = np.minimum(a, b)[marked] * len(xyz) + np.maximum(a, b)[marked]
+        edges, index = np.unique(keys, return_inverse=True)
         middle = np.full(tri.shape, -1)
-        middle[marked] = len(xyz) + index.reshape(-1)
-        xyz = np.concatenate([xyz, (xyz[edges[:, 0]] + xyz[edges[:, 1]]) / 2])
+        middle[marked] = len(xyz) + index
+        xyz = np.concatenate([xyz, (xyz[edges // len(xyz)] + xyz[edges % len(xyz)]) / 2])
         tri, source = _divide(tri, middle, source)
 
 
