@@ -23,6 +23,7 @@ Progress = Callable[[str, int], None]
 
 ROUNDS = 60
 NOISE_BAND = 6.0  # standard deviations
+SWEEPS = 30  # cells that a label may run along an edge
 PRICE = 0.5  # of a primitive in the choice, in minimum supports: what counts fully, within epsilon / 2, may be half of its points
 
 
@@ -141,4 +142,30 @@ def _sharpened(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> tuple
         epsilon = narrower
         shapes, _ = refine_jointly(shapes, cloud.raw, cloud.normal, epsilon, settings)
         labels = winners(cost(shapes, cloud.raw, cloud.normal, cloud.epsilon, math.cos(settings.alpha)))
-    return shapes, labels
+    return shapes, _settled(shapes, labels, cloud, epsilon) if len(shapes) else labels
+
+
+def _settled(shapes: Shapes, labels: Ints, cloud: WorkingCloud, margin: float) -> Ints:
+    """Labels after cells went over to a neighbour's primitive that is nearer by `margin`, or to any within epsilon if they had none.
+
+    Along edges, and in the slivers between them, estimated normals are of no surface: there only distance and neighbours count.
+    """
+    gap = np.abs(measure(shapes, cloud.raw, cloud.normal)[0])
+    gap[gap > cloud.epsilon] = math.inf
+    labels = labels.copy()
+    own = np.where(labels >= 0, gap[labels, np.arange(len(cloud))] - margin, math.inf)
+    edges = np.flatnonzero(labels[cloud.tail] != labels[cloud.head])
+    for _ in range(SWEEPS):
+        edges = edges[labels[cloud.head[edges]] >= 0]
+        offer, taker = labels[cloud.head[edges]], cloud.tail[edges]
+        theirs = gap[offer, taker]
+        better = np.flatnonzero((theirs < own[taker]) & (offer != labels[taker]))
+        if len(better) == 0:
+            break
+        order = better[np.lexsort((offer[better], theirs[better], taker[better]))]
+        first = order[np.concatenate(([True], np.diff(taker[order]) > 0))]
+        labels[taker[first]], own[taker[first]] = offer[first], theirs[first] - margin
+        moved = np.zeros(len(cloud), dtype=np.bool_)
+        moved[taker[first]] = True
+        edges = np.flatnonzero(moved[cloud.head] & (labels[cloud.tail] != labels[cloud.head]))
+    return labels
