@@ -13,6 +13,19 @@ from segmentation.io.ranges import BYTE
 Columns = dict[str, NDArray[Any]]
 
 
+def corners(cloud: Cloud) -> NDArray[np.float64]:
+    """Lowest and highest corner (2, 3) in the file's coordinates; zeros for an empty cloud.
+
+    Raises ValueError if a point is not finite.
+    """
+    if len(cloud) == 0:
+        return np.zeros((2, 3))
+    ends = np.sort(cloud.in_file(np.stack([cloud.xyz.min(axis=0), cloud.xyz.max(axis=0)])), axis=0)
+    if not np.isfinite(ends).all():
+        raise ValueError("xyz holds NaN or infinite points: leave them out, or write PLY or XYZ")
+    return ends
+
+
 def columns_of(cloud: Cloud, extra: Mapping[str, NDArray[Any]]) -> Iterator[Columns]:
     """Runs in the file's coordinates: x, y, z (float64), nx …, red … (uint8), intensity, classification, extras."""
     for at in range(0, max(len(cloud), 1), SIZE):

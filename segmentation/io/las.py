@@ -19,7 +19,8 @@ WAY_OUT = "copy it again from where it comes from, or export the scan again"
 def read_las(path: Path) -> Iterator[Chunk]:
     """The points of a LAS or LAZ file with colour, intensity, classification and, as extra dimensions, normals.
 
-    Raises ReadError if the file is damaged or holds fewer points than its header promises.
+    Raises ReadError if the file is damaged or holds fewer points than its header promises. LAZ has no checksums: damage
+    amid compressed points may pass unnoticed.
     """
     with open_las(path) as reader:
         total = reader.header.point_count

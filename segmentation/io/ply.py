@@ -72,6 +72,8 @@ def _layout(path: Path) -> Layout:
                     raise ReadError(path, f"has a list among or before its vertices (element {name!r})", WAY_OUT)
                 case ["property", kind, field]:
                     fields.append((field, order + TYPES[kind]))
+        if count < 0:
+            raise ValueError(f"{count} vertices")
         layout = Layout(encoding == "ascii", start, skip, count, np.dtype(fields))
     except (KeyError, ValueError) as error:
         if isinstance(error, ReadError):

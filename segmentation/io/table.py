@@ -1,5 +1,6 @@
 """Rows of numbers in a text, read block by block at the speed of numpy's parser."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +12,8 @@ from segmentation.errors import ReadError
 
 BLOCK = 1 << 24
 """Bytes read at once: about 400,000 rows."""
+LINE = 1 << 16
+"""Bytes that a line may have."""
 MISSING = {b"nan", b"-nan", b"-nan(ind)", b"nan(ind)", b"1.#qnan", b"-1.#ind", b"na", b"n/a", b"null", b"none", b"-"}
 COMMENTS = (b"#", b"//")
 WAY_OUT = "export the scan as plain columns of numbers, or as E57, LAZ or PLY"
@@ -25,9 +28,11 @@ class Dialect:
 
     def plain(self, text: bytes) -> bytes:
         """The text with white space between the numbers, points in them, and nan for what is left empty."""
-        if self.delimiter and self.delimiter * 2 in text:
-            empty, filled = self.delimiter * 2, self.delimiter + b"nan" + self.delimiter
-            text = text.replace(empty, filled).replace(empty, filled)  # twice, as the matches do not overlap
+        d = self.delimiter
+        if d and (
+            text[:1] == d or text[-1:] == d or any(gap in text for gap in (d + d, b"\n" + d, d + b"\n", d + b"\r"))
+        ):
+            text = re.sub(rb"(?m)^(?=%b)|(?<=%b)(?=[%b\r\n]|\Z)" % (d, d, d), b"nan", text)
         swap = bytes.maketrans(self.delimiter, b" " * len(self.delimiter))
         if self.decimal_comma:
             swap = swap[: ord(",")] + b"." + swap[ord(",") + 1 :]
@@ -61,7 +66,7 @@ class Rows:
             for _ in range(self.skip):
                 file.readline()
             while left != 0:
-                block = file.read(BLOCK) + file.readline(BLOCK)
+                block = file.read(BLOCK) + file.readline(LINE)
                 if not block:
                     return
                 self.done = file.tell() / size

@@ -14,6 +14,9 @@ from segmentation.io.table import Dialect, Rows
 
 HEAD = 1 << 16
 """Bytes of the file that are looked at to find out its columns."""
+BOM = b"\xef\xbb\xbf"
+ROW = re.compile(rb"\s*[\"]?([-+.,;\d]|na|nu|none)", re.IGNORECASE)
+"""How a line begins that holds numbers, or words for missing ones."""
 NAMES = {
     "x": {"x", "easting", "east"}, "y": {"y", "northing", "north"}, "z": {"z", "elevation", "height"},
     "r": {"r", "red"}, "g": {"g", "green"}, "b": {"b", "blue"},
@@ -26,9 +29,13 @@ WAY_OUT = "export the scan as plain columns x y z, or as E57, LAZ or PLY"
 
 @dataclass(frozen=True)
 class Layout:
-    """How a text is to be read. columns: how many. at: column of each name of NAMES that is there."""
+    """How a text is to be read. start, skip: bytes and lines before the first row.
+
+    columns: how many. at: column of each name of NAMES that is there.
+    """
 
     dialect: Dialect
+    start: int
     skip: int
     columns: int
     at: dict[str, int]
@@ -45,7 +52,7 @@ def read_text(path: Path) -> Iterator[Chunk]:
     Raises ReadError if there are no rows of numbers, a line is none, or rows are missing.
     """
     layout = _layout(path)
-    rows = Rows(path, layout.columns, skip=layout.skip, dialect=layout.dialect)
+    rows = Rows(path, layout.columns, start=layout.start, skip=layout.skip, dialect=layout.dialect)
     have = 0
     for table in rows:
         have += len(table)
@@ -76,7 +83,8 @@ def _chunk(table: NDArray[np.float64], at: dict[str, int], done: float) -> Chunk
 def _layout(path: Path) -> Layout:
     with path.open("rb") as file:
         head = file.read(HEAD)
-    lines = head.removeprefix(b"\xef\xbb\xbf").splitlines()
+    start = len(BOM) if head.startswith(BOM) else 0
+    lines = head[start:].splitlines()
     if len(head) == HEAD:
         lines.pop()
     dialect = _dialect(lines)
@@ -90,7 +98,7 @@ def _layout(path: Path) -> Layout:
     width = len(sample[0])
     table = np.array([row for row in sample if len(row) == width])
     at = _named(lines[:first], width) or _guessed(table)
-    return Layout(dialect, first, width, at, counts[-1] if counts else None)
+    return Layout(dialect, start, first, width, at, counts[-1] if counts else None)
 
 
 def _numbers(line: bytes, dialect: Dialect) -> list[float] | None:
@@ -102,14 +110,14 @@ def _numbers(line: bytes, dialect: Dialect) -> list[float] | None:
 
 
 def _dialect(lines: list[bytes]) -> Dialect:
-    """The last line of the sample is the one least likely to be a header."""
-    line = next((line for line in reversed(lines) if line.strip()), b"")
-    if b";" in line:
-        return Dialect(b";", decimal_comma=b"," in line)
-    words = line.split()
-    if b"," in line and len(words) >= 3 and all(re.fullmatch(rb"[^,]*,?[^,]+", word) for word in words):
+    """A comma between blanks is a decimal one: `1,5 2,5 3`, but `1.5, 2.5, 3` and `1.5,2.5,3`."""
+    rows = [line.split() for line in lines if ROW.match(line)]
+    commas = [words for words in rows if any(b"," in word for word in words)]
+    if any(b";" in word for words in rows for word in words):
+        return Dialect(b";", decimal_comma=bool(commas))
+    if commas and all(len(w) >= 3 and all(re.fullmatch(rb"[^,]*,?[^,]+", word) for word in w) for w in commas):
         return Dialect(decimal_comma=True)
-    return Dialect(b"," if b"," in line else b"")
+    return Dialect(b"," if commas else b"")
 
 
 def _named(header: list[bytes], width: int) -> dict[str, int] | None:
@@ -125,9 +133,9 @@ def _named(header: list[bytes], width: int) -> dict[str, int] | None:
 def _guessed(table: NDArray[np.float64]) -> dict[str, int]:
     """Columns by their place and what the first rows hold. PTS has intensity before the colour, others after it."""
     at = {"x": 0, "y": 1, "z": 2}
-    left = list(range(3, table.shape[1]))
+    left = [c for c in range(3, table.shape[1]) if not np.isnan(table[:, c]).all()]
     for k in reversed(left[:-2]):
-        if _are_normals(table[:, k : k + 3]):
+        if {k + 1, k + 2} <= set(left) and _are_normals(table[:, k : k + 3]):
             at |= {"nx": k, "ny": k + 1, "nz": k + 2}
             left = [c for c in left if not k <= c < k + 3]
             break

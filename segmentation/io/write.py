@@ -42,7 +42,8 @@ def write_cloud(
     color: (n, 3) over the full range of its type. extra: numbers (n,) under their names.
     LAS and LAZ round coordinates to 0.1 mm, and hold normals and extras as extra dimensions; E57 holds them under the
     public extension for normals and one of ours; PLY and E57 hold colour with eight bits.
-    Raises ValueError for an unknown suffix and for arrays of the wrong length, OSError if the file cannot be written.
+    Raises ValueError for an unknown suffix, for arrays of the wrong length, and for points that are not finite where
+    the format cannot hold them (LAS, LAZ, E57); OSError if the file cannot be written.
     """
     path = Path(path)
     if path.suffix.lower() not in WRITERS:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.cloud import Cloud
-from segmentation.io.columns import columns_of
+from segmentation.io.columns import columns_of, corners
 from segmentation.io.e57 import CARTESIAN, COLOR, NORMALS
 from segmentation.io.ranges import TOP
 
@@ -73,9 +73,9 @@ def _scan(image: Any, cloud: Cloud, prototype: Any) -> Any:
     def text(parent: Any, name: str, value: str) -> None:
         parent.set(name, libe57.StringNode(image, value))
 
-    corners = np.sort(cloud.in_file(np.stack([cloud.xyz.min(axis=0), cloud.xyz.max(axis=0)])), axis=0)
+    ends = corners(cloud)
     # named by the content, so that the same cloud gives the same bytes
-    guid = f"{{{uuid.uuid5(uuid.NAMESPACE_OID, f'{len(cloud)} {corners.tolist()}')}}}"
+    guid = f"{{{uuid.uuid5(uuid.NAMESPACE_OID, f'{len(cloud)} {ends.tolist()}')}}}"
     for prefix, uri in (("", libe57.E57_V1_0_URI), ("nor", NORMALS_URI), (OURS, OURS_URI)):
         image.extensionsAdd(prefix, uri)
     root = image.root()
@@ -91,7 +91,7 @@ def _scan(image: Any, cloud: Cloud, prototype: Any) -> Any:
     scan = libe57.StructureNode(image)
     text(scan, "guid", guid)
     text(scan, "name", "cloud")
-    bounds = {f"{axis}{end}": corners[k, a] for a, axis in enumerate("xyz") for k, end in enumerate(ENDS)}
+    bounds = {f"{axis}{end}": ends[k, a] for a, axis in enumerate("xyz") for k, end in enumerate(ENDS)}
     structure(scan, "cartesianBounds", bounds)
     if cloud.intensity is not None:
         structure(scan, "intensityLimits", dict(zip((f"intensity{end}" for end in ENDS), (0, TOP), strict=True)))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from segmentation.cloud import Cloud, turn_back
 from segmentation.io.chunk import SIZE
+from segmentation.io.columns import corners
 from segmentation.io.las import NORMALS
 
 SCALE = 1e-4
@@ -27,9 +28,9 @@ def write_las(path: Path, cloud: Cloud, extra: Mapping[str, NDArray[Any]]) -> No
     if cloud.normals is not None:
         extras |= zip(NORMALS, turn_back(cloud.normals, cloud.up).T, strict=True)
     header = laspy.LasHeader(version="1.4", point_format=6 if cloud.color is None else 7)
-    corners = _corners(cloud)
-    header.offsets = np.floor(corners[0])
-    header.scales = np.maximum(SCALE, (corners[1] - header.offsets) / WIDEST)
+    low, high = corners(cloud)
+    header.offsets = np.floor(low)
+    header.scales = np.maximum(SCALE, (high - header.offsets) / WIDEST)
     add_extras(header, extras)
     with open_writer(path, header) as writer:
         for at in range(0, len(cloud), SIZE):
@@ -79,11 +80,3 @@ def open_writer(path: Path, header: Any) -> Any:
 
     compress = path.suffix.lower() == ".laz"
     return laspy.open(path, mode="w", header=header, do_compress=compress, laz_backend=laspy.LazBackend.LazrsParallel)
-
-
-def _corners(cloud: Cloud) -> NDArray[np.float64]:
-    """Lowest and highest corner (2, 3) in the file's coordinates."""
-    if len(cloud) == 0:
-        return np.zeros((2, 3))
-    ends = cloud.in_file(np.stack([cloud.xyz.min(axis=0), cloud.xyz.max(axis=0)]))
-    return np.sort(ends, axis=0)
