@@ -1,0 +1,86 @@
+"""GLB (binary glTF 2): a named, coloured node a component and one for the rest; metres, relative to the origin."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from families.mesh import Mesh
+from vaultcad.export.geometry import Floats, Triangles, shell
+from vaultcad.export.palette import Colour, colour
+from vaultcad.model import FittedVault, Model
+
+if TYPE_CHECKING:
+    import trimesh
+
+# glTF is y up: x stays, the model's z becomes y, its y becomes -z.
+Y_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype=np.float64)
+
+
+def write_glb(model: Model, path: Path) -> None:
+    """Write all vaults of a model; nodes of the second and further ones begin with their number."""
+    import trimesh
+
+    scene = trimesh.Scene()
+    for k, fitted in enumerate(model.vaults, 1):
+        prefix = "" if len(model.vaults) == 1 else f"{k}/"
+        for name, part in _parts(fitted, model.thickness):
+            scene.add_geometry(part, node_name=prefix + name, geom_name=prefix + name)
+    path.write_bytes(scene.export(file_type="glb", include_normals=True))
+
+
+def _parts(fitted: FittedVault, thickness: float) -> Iterator[tuple[str, trimesh.Trimesh]]:
+    """Intrados by component, with smooth normals; then the rest of the stone, with those of its triangles."""
+    mesh, names = shell(fitted.vault, thickness), fitted.vault.components
+    place = Y_UP @ fitted.pose.placement()
+    for k, name in enumerate(names, 1):
+        patch = mesh.component == k
+        if patch.any():
+            yield name, _trimesh(mesh, mesh.triangles[patch], place, colour(k), {"component": k})
+    rest = mesh.triangles[(mesh.component == 0) | (mesh.component > len(names))]
+    corners = mesh.vertices[rest].reshape(-1, 3)  # every triangle with its own, so that edges stay sharp
+    apart = Mesh(corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 3), mesh.component[:0])
+    yield "extrados", _trimesh(apart, apart.triangles, place, colour(0), {})
+
+
+def _trimesh(
+    mesh: Mesh, triangles: Triangles, place: Floats, colour: Colour, extras: dict[str, Any]
+) -> trimesh.Trimesh:
+    import trimesh
+    from trimesh.visual import TextureVisuals
+    from trimesh.visual.material import PBRMaterial
+
+    used, where = np.unique(triangles, return_inverse=True)
+    corners = where.reshape(-1, 3)
+    points = mesh.vertices[used] @ place[:3, :3].T + place[:3, 3]
+    material = PBRMaterial(
+        name=colour.hex, baseColorFactor=_linear(colour), metallicFactor=0.0, roughnessFactor=0.9, doubleSided=True
+    )
+    return trimesh.Trimesh(
+        points,
+        corners,
+        vertex_normals=_normals(points, corners),
+        visual=TextureVisuals(material=material),
+        metadata=extras,
+        process=False,
+    )
+
+
+def _normals(points: Floats, corners: Triangles) -> Floats:
+    """Unit normals (n, 3) of vertices: the mean of their triangles', weighted by area."""
+    a, b, c = (points[corners[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    total = np.zeros_like(points)
+    for k in range(3):
+        np.add.at(total, corners[:, k], across)
+    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)
+
+
+def _linear(colour: Colour) -> list[int]:
+    """The colour as glTF wants it, linear, with full opacity (IEC 61966-2-1)."""
+    s = np.array(colour.unit)
+    linear = np.where(s <= 0.04045, s / 12.92, ((s + 0.055) / 1.055) ** 2.4)
+    return [*(round(255 * float(v)) for v in linear), 255]
