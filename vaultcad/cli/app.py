@@ -1,0 +1,99 @@
+"""The program itself: finds the command, runs it, and turns what goes wrong into one line and an exit code."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command
+
+from segmentation.errors import ReadError
+from vaultcad.cli.errors import InputError
+from vaultcad.errors import VaultcadError
+
+NAME = "vaultcad"
+DEBUG = "VAULTCAD_DEBUG"  # environment variable that lets exceptions through with their tracebacks
+WRONG, BUG, INTERRUPTED = 2, 1, 130
+COMMANDS = {
+    "fit": "Fit a vault to a scan: STEP, IFC, GLB, labelled points, report.",
+    "segment": "Label the planes, spheres, cylinders and cones of a scan.",
+    "compare": "Judge the labels of a cloud by a truth.",
+    "ideal": "Points of an ideal vault, with normals and labels.",
+    "scan": "Scan a vault in a room virtually; the truth goes beside it.",
+    "families": "List the families of vaults and their parameters.",
+    "doctor": "Say what of the installation is missing or broken.",
+}
+
+
+class Commands(TyperGroup):
+    """Knows its commands by name and help alone; each is imported when it is the one that runs."""
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes)
+        for name, text in COMMANDS.items():
+            self.add_command(TyperCommand(name, help=text))
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The real command of the first argument, with its name and the arguments left."""
+        name, _, rest = super().resolve_command(ctx, args)
+        return name, import_module(f"vaultcad.cli.{name}").command(), rest
+
+
+# Plain help here: the panels of rich, which the commands have, take longer to import than all the rest.
+app = typer.Typer(cls=Commands, add_completion=False, rich_markup_mode=None)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"{NAME} {version(NAME)}")
+        raise typer.Exit
+
+
+@app.callback()
+def _program(
+    version: bool = typer.Option(False, "--version", is_eager=True, callback=_show_version, help="Show the version."),
+) -> None:
+    """From laser scans of masonry vaults to BIM-ready parametric solids."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the program with the given arguments, those of the process by default. Returns the exit code.
+
+    0: done. 1: the doctor found something, or an error of vaultcad's own. 2: wrong input. 130: interrupted.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
+    try:
+        code = get_command(app).main(args=given, prog_name=NAME, standalone_mode=False)
+    except (typer.TyperException, InputError, ReadError, VaultcadError) as error:
+        return _complain(error.format_message() if isinstance(error, typer.TyperException) else str(error), WRONG)
+    except OSError as error:
+        return _complain(_os_error(error), WRONG)
+    except MemoryError:
+        return _complain("not enough memory; thin the scan or crop it to one bay", WRONG)
+    except Exception as error:
+        if os.environ.get(DEBUG):
+            raise
+        what = f"{type(error).__name__}: {error}"
+        return _complain(f"error in vaultcad itself ({what}); run again with {DEBUG}=1 and report what it prints", BUG)
+    if code == INTERRUPTED:  # typer makes this of a KeyboardInterrupt
+        return _complain("interrupted; nothing was written", INTERRUPTED)
+    return code or 0
+
+
+def _complain(message: str, code: int) -> int:
+    """One line on standard error, whatever the message."""
+    print(f"{NAME}: {' '.join(message.split())}", file=sys.stderr)  # noqa: T201  # this is the terminal
+    return code
+
+
+def _os_error(error: OSError) -> str:
+    if error.filename is None:
+        return str(error)
+    return f"{error.filename}: {error.strerror}; check the path, its permissions and the space left"
