@@ -63,6 +63,7 @@ def thin(xyz: Floats, size: float, *, inverse: bool = False) -> Thinned:
         raise ValueError(f"size = {size:g} m is not positive: give the edge of a cell")
     if xyz.ndim != 2 or xyz.shape[1] != 3:
         raise ValueError(f"xyz has the shape {xyz.shape}, expected is (n, 3)")
+    xyz = np.ascontiguousarray(xyz)
     edges = np.linspace(0, len(xyz), BLOCKS + 1).astype(np.int64)
     cells = np.empty(len(xyz) if inverse else 0, np.int32)
     scale = 1 / size

@@ -47,7 +47,8 @@ def assemble(chunks: Iterable[Chunk], path: Path, *, up: Up, progress: Progress 
     """One Cloud of all chunks in their order. Raises ReadError if fewer than MINIMUM points are valid."""
     parts, masks = [], []
     for chunk in chunks:
-        mask = np.logical_and.reduce(np.isfinite(chunk.xyz), axis=1)
+        finite = np.isfinite(chunk.xyz)
+        mask = np.ones(len(finite), np.bool_) if finite.all() else np.logical_and.reduce(finite, axis=1)
         if chunk.valid is not None:
             mask &= chunk.valid
         parts.append(_prepared(chunk, mask, up))

@@ -23,6 +23,7 @@ def read_las(path: Path) -> Iterator[Chunk]:
     amid compressed points may pass unnoticed.
     """
     with open_las(path) as reader:
+        reader.decompression_selection = _needed(reader.header)
         total = reader.header.point_count
         done = 0
         for points in las_points(path, reader):
@@ -62,15 +63,27 @@ def las_points(path: Path, reader: Any) -> Iterator[Any]:
         raise _truncated(path, total)
 
 
+def _needed(header: Any) -> Any:
+    """What of the points is decompressed; the other dimensions of point formats 6 to 10 are passed over."""
+    from laspy import DecompressionSelection as Part
+
+    parts = Part.XY_RETURNS_CHANNEL | Part.Z | Part.CLASSIFICATION | Part.INTENSITY | Part.RGB
+    return parts | Part.ALL_EXTRA_BYTES if _has_normals(header.point_format) else parts
+
+
+def _has_normals(point_format: Any) -> bool:
+    """Whether there are extra dimensions for normals."""
+    return set(NORMALS) <= set(point_format.dimension_names)
+
+
 def _chunk(points: Any, header: Any, done: float) -> Chunk:
-    names = set(points.point_format.dimension_names)
     xyz = np.empty((len(points), 3))
     for k, axis in enumerate("XYZ"):
         xyz[:, k] = points[axis] * header.scales[k] + header.offsets[k]
     return Chunk(
         xyz=xyz,
-        normals=_columns(points, NORMALS) if names.issuperset(NORMALS) else None,
-        color=_columns(points, ("red", "green", "blue")) if "red" in names else None,
+        normals=_columns(points, NORMALS) if _has_normals(points.point_format) else None,
+        color=_columns(points, ("red", "green", "blue")) if "red" in points.array.dtype.names else None,
         intensity=np.array(points["intensity"]),
         classification=np.array(points["classification"]),
         done=done,
