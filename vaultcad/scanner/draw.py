@@ -66,20 +66,20 @@ def _either(rng: Random, chance: float, value: float, low: float, high: float) -
 
 
 def _sail(rng: Random) -> Vault:
-    span = rng.uniform(2.5, 6.5)
-    return Sail(span, span * rng.uniform(0.8, 1.25), rng.uniform(0.35, 1))
+    span = rng.uniform(3, 6.5)
+    return Sail(span, span * rng.uniform(0.85, 1.2), rng.uniform(0.35, 1))
 
 
 def _barrel(rng: Random) -> Vault:
     span = rng.uniform(2.5, 7)
-    return Barrel(span, span * rng.uniform(0.9, 2.2), _profile(rng))
+    return Barrel(span, span * rng.uniform(1, 2.2), _profile(rng))
 
 
 def _lunette(rng: Random) -> Vault:
     count, ratio = int(rng.integers(1, 5)), _either(rng, 0.6, 1.0, 0.8, 0.98)
     plain = Lunette(
         span=rng.uniform(3.2, 7),
-        length=count * rng.uniform(2, 3.2) / ratio,
+        length=count * rng.uniform(max(2, 2.6 / count), 3.2) / ratio,
         profile=_profile(rng, "semicircular", "segmental", "basket-handle", "elliptical"),
         count=count,
         pitch_ratio=ratio,
@@ -116,8 +116,8 @@ def _mirror(rng: Random) -> Vault:
 
 
 def _groin(rng: Random) -> Vault:
-    span_x = rng.uniform(2.5, 7)
-    span_y = span_x * _either(rng, 0.3, 1.0, 0.75, 1.33)
+    span_x = rng.uniform(3, 7)
+    span_y = span_x * _either(rng, 0.3, 1.0, 0.85, 1.2)
     profile, other = _profile(rng), _profile(rng)
     # Most crowns are level: the second arch takes the rise of the first, if its kind can.
     level = type(other).over(profile.rise(span_x / 2) / span_y)

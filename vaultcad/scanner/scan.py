@@ -66,20 +66,26 @@ def scan(vault: Vault, settings: ScannerSettings | None = None, *, rng: np.rando
 
     bounds = _bounds(vault, settings)
     step = _step(target, stations, settings, bounds, pilot)
-    shots, reported = [], []
+    chunks, counts, reported = [], [], []
     for k, station in enumerate(stations):
-        found = _joined(list(sweep(target, station, step, settings, bounds, measure)))
         turn, shift = _registration(settings, measure) if k else (np.eye(3), np.zeros(3))
-        shots.append(replace(found, xyz=(found.xyz - station) @ turn.T + station + shift))
+        found = [
+            replace(shots, xyz=_placed((shots.xyz - station) @ turn.T + station + shift, settings))
+            for shots in sweep(target, station, step, settings, bounds, measure)
+        ]
+        chunks += found
+        counts.append(sum(len(shots.xyz) for shots in found))
         reported.append(station + shift)
-    index = np.repeat(np.arange(len(shots), dtype=np.uint8), [len(s.xyz) for s in shots])
-    all_ = _joined(shots)
-    keep = ~_hidden(all_, ideal, settings.holes, hide)
+    shots = _joined(chunks)
+    index = np.repeat(np.arange(len(counts), dtype=np.uint8), counts)
+    keep = ~_hidden(shots, _placed(ideal, settings), settings.holes, hide)
 
-    xyz, positions = _placed(all_.xyz[keep], settings), _placed(np.array(reported), settings)
-    case = truth.case(vault, settings, positions, step, len(xyz))
+    positions = _placed(np.array(reported), settings)
+    case = truth.case(vault, settings, positions, step, int(keep.sum()))
     origin = np.array(settings.origin)
-    return VirtualScan(xyz, origin, all_.component[keep], all_.intensity[keep], index[keep], positions, case)
+    return VirtualScan(
+        shots.xyz[keep], origin, shots.component[keep], shots.intensity[keep], index[keep], positions, case
+    )
 
 
 def _draw_stations(vault: Vault, settings: ScannerSettings, rng: np.random.Generator) -> Array:

@@ -59,7 +59,7 @@ def truth_path(path: Path) -> Path:
 
 
 def write_scan(virtual: VirtualScan, path: Path) -> Path:
-    """Write the points, with their intensity, as PLY, LAS, LAZ or E57 by the file's suffix, and the truth beside.
+    """Write the points, with their intensity, as PLY, LAS, LAZ, E57 or text by the file's suffix, and the truth beside.
 
     The truth is an .npz with `component` (n,) uint16 and `station` (n,) uint8, both in the file's order, and `case`, a
     JSON string. Returns its path.
@@ -68,15 +68,14 @@ def write_scan(virtual: VirtualScan, path: Path) -> Path:
         ValueError: the suffix names no format that can be written.
         OSError: the file cannot be written.
     """
+    from segmentation.io.whole import replacing
     from segmentation.io.write import write_cloud
 
-    write_cloud(path, virtual.xyz, origin=virtual.origin, extra={"intensity": virtual.intensity})
-    beside = truth_path(path)
-    with beside.open("wb") as file:
-        np.savez_compressed(
-            file, component=virtual.component, station=virtual.station, case=np.array(json.dumps(virtual.truth))
-        )
-    return beside
+    case = np.array(json.dumps(virtual.truth))
+    write_cloud(path, virtual.xyz, origin=virtual.origin, intensity=virtual.intensity)
+    with replacing(truth_path(path)) as beside:
+        np.savez_compressed(beside, component=virtual.component, station=virtual.station, case=case)
+    return truth_path(path)
 
 
 def read_truth(path: Path) -> tuple[NDArray[np.uint16], dict[str, Any]]:
