@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import colorsys
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
-from OCP.BOPTools import BOPTools_AlgoTools3D
-from OCP.gp import gp_Pnt, gp_Pnt2d
-from OCP.IntTools import IntTools_Context
-from OCP.TopAbs import TopAbs_FACE
-from OCP.TopExp import TopExp_Explorer
-from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape
+from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
-from families.bodies import MM, Extent, cut, union
+from families.bodies import cut, union
+from families.cells import cuts
 from families.parts import Piece
+from families.sewing import faces, inner_points, sewn
 from families.vault import Vault
 
 if TYPE_CHECKING:
@@ -29,8 +24,10 @@ ON_SURFACE = 1e-6  # [m]
 
 def void(vault: Vault) -> TopoDS_Shape:
     """The room under the vault, above the springing and within the plan."""
-    plan = vault.plan
-    return union(vault.pieces(), Extent(plan.half_x, plan.half_y, 0.0, _top(vault.pieces())))
+    pieces, plan = vault.pieces(), vault.plan
+    where = cuts(pieces, plan)
+    cells = where.cells(plan.half_x, plan.half_y, 0.0, _top(pieces))
+    return sewn([body for cell in cells if (body := union(pieces, cell)) is not None], where)
 
 
 def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
@@ -41,12 +38,22 @@ def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
     """
     if not thickness > 0:
         raise ValueError(f"thickness = {thickness:g} m must be above 0")
-    plan, grown = vault.plan, _grown(vault, thickness)
-    top = _top(grown)
-    outer = Extent(plan.half_x + thickness * plan.on_wall_x, plan.half_y + thickness * plan.on_wall_y, 0.0, top)
+    pieces, plan = vault.pieces(), vault.plan
+    grown, where = tuple(piece.grown(thickness) for piece in pieces), cuts(pieces, plan)
+    top, half_x, half_y = (
+        _top(grown),
+        plan.half_x + thickness * plan.on_wall_x,
+        plan.half_y + thickness * plan.on_wall_y,
+    )
     # What is taken away is longer than what is left, so that no faces coincide and the mouths of lunettes stay open.
-    inner = Extent(outer.half_x + outer.margin, outer.half_y + outer.margin, -outer.margin, top)
-    return cut(union(grown, outer), union(vault.pieces(), inner))
+    outer = where.cells(half_x, half_y, 0.0, top)
+    inner = where.cells(half_x + thickness, half_y + thickness, -thickness, top)
+    bodies = []
+    for here, beyond in zip(outer, inner, strict=True):
+        whole, room = union(grown, here), union(pieces, beyond)
+        if whole is not None:
+            bodies.append(whole if room is None else cut(whole, room))
+    return sewn(bodies, where)
 
 
 def intrados(vault: Vault) -> build123d.Compound:
@@ -88,21 +95,13 @@ def face_names(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> list[tupl
     Other faces are "side" (at the springing and where the plan cuts) or "extrados".
     """
     found = list(faces(getattr(shape, "wrapped", shape)))
-    points = _inner_points(found)
+    points = inner_points(found)
     here = vault.evaluate(points)
     half = np.array([vault.plan.half_x, vault.plan.half_y])
     side = (np.abs(points[:, 2]) < ON_SURFACE) | (np.abs(np.abs(points[:, :2]) - half) < ON_SURFACE).any(axis=1)
     names = (EXTRADOS, SIDE, *vault.components)
     kind = np.where(np.abs(here.distance) < ON_SURFACE, here.component + 1, side)
     return [(face, names[k]) for face, k in zip(found, kind, strict=True)]
-
-
-def faces(shape: TopoDS_Shape) -> Iterator[TopoDS_Face]:
-    """The faces of a shape in its order."""
-    explorer = TopExp_Explorer(shape, TopAbs_FACE)
-    while explorer.More():
-        yield TopoDS.Face_s(explorer.Current())
-        explorer.Next()
 
 
 def colour(vault: Vault, name: str) -> tuple[float, float, float]:
@@ -118,13 +117,3 @@ def _grown(vault: Vault, thickness: float) -> tuple[Piece, ...]:
 
 def _top(pieces: tuple[Piece, ...]) -> float:
     return max(part.top for piece in pieces for part in piece.parts)
-
-
-def _inner_points(shapes: list[TopoDS_Face]) -> NDArray[np.float64]:
-    """One point (n, 3) [m] inside each face."""
-    context, points = IntTools_Context(), np.empty((len(shapes), 3))
-    for k, face in enumerate(shapes):
-        point, uv = gp_Pnt(), gp_Pnt2d()
-        BOPTools_AlgoTools3D.PointInFace_s(face, point, uv, context)
-        points[k] = point.X(), point.Y(), point.Z()
-    return points / MM

@@ -12,6 +12,7 @@ from families.profiles import Curve, junction
 
 Point = tuple[float, float]
 Array = NDArray[np.float64]
+SNAP = 1e-12
 
 
 @dataclass(frozen=True)
@@ -53,18 +54,19 @@ class Wall:
         return np.full_like(z, self.u), z, np.ones_like(z), np.zeros_like(z)
 
 
-def half_outline(curve: Curve, wall: float, low: float) -> tuple[Bow, ...]:
-    """The arcs of a curve from the springing to the crown, as far as u <= `wall` and z >= `low` [m].
+def half_outline(curve: Curve, near: float, far: float, low: float) -> tuple[Bow, ...]:
+    """The arcs of a curve from the springing to the crown, as far as near <= u <= far and z >= low [m].
 
     A vertical line from (u, low) to the first of them closes the outline where there is a wall.
     """
     bows = []
     for bow in _whole(curve):
         # Near 1 an arc cosine turns rounding into an angle; there the arc starts at its widest point.
-        inside = (wall - bow.u) / bow.a
-        start = max(bow.start, acos(inside) if inside < 1 - 1e-12 else 0.0, asin(max((low - bow.z) / bow.b, -1.0)))
-        if start < bow.end - 1e-12:
-            bows.append(replace(bow, start=start))
+        outer, inner = (far - bow.u) / bow.a, (near - bow.u) / bow.a
+        start = max(bow.start, acos(outer) if outer < 1 - SNAP else 0.0, asin(max((low - bow.z) / bow.b, -1.0)))
+        end = min(bow.end, acos(min(inner, 1.0))) if near > SNAP else bow.end
+        if start < end - SNAP:
+            bows.append(replace(bow, start=start, end=end))
     return tuple(bows)
 
 

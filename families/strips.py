@@ -137,7 +137,7 @@ def strips(part: Part, plan: Plan) -> Iterator[Strip]:
 
 
 def _lines(curve: Curve, low: float) -> Iterator[Bow | Wall]:
-    bows = half_outline(curve, curve.half_span, low)
+    bows = half_outline(curve, 0.0, curve.half_span, low)
     foot = bows[0].at(bows[0].start)[1]
     if foot > low:
         yield Wall(curve.half_span, low, foot)
