@@ -1,0 +1,236 @@
+"""report.html: what was found, drawn and explained, in one file that needs nothing from outside and runs no script."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from html import escape
+from math import degrees
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import family
+from vaultcad.export.charts import histogram
+from vaultcad.export.drawing import PLANES, plan, section
+from vaultcad.export.palette import colour
+from vaultcad.export.report_json import plain, profiles, shown
+from vaultcad.export.report_text import FILES, GLOSSARY, STYLE
+from vaultcad.model import Component, Deviation, Estimate, FittedVault, Model
+
+Row = Iterable[str]
+
+
+def write_report_html(
+    model: Model,
+    path: Path,
+    points: NDArray[np.floating] | None = None,
+    component: NDArray[np.integer] | None = None,
+    deviation: NDArray[np.floating] | None = None,
+    vault: NDArray[np.integer] | None = None,
+) -> None:
+    """Write the report of a model.
+
+    Args:
+        model: what was found.
+        path: the file.
+        points: (n, 3) thinned points of the scan in its local frame [m], shown in the sections.
+        component: (n,) their components; where given, only points with one are counted in the histogram.
+        deviation: (n,) their signed distances to the model [m], NaN off the vault, for the histogram.
+        vault: (n,) number of the vault that each belongs to, 0 for none; without it all belong to the first.
+    """
+    xyz = np.zeros((0, 3)) if points is None else np.asarray(points, dtype=np.float64)
+    parts = []
+    for k, fitted in enumerate(model.vaults, 1):
+        own = np.zeros(0)
+        if deviation is not None:
+            mine = np.isfinite(deviation)
+            mine &= np.full(len(mine), k == 1) if vault is None else vault == k
+            own = np.asarray(deviation[mine if component is None else mine & (component > 0)], dtype=np.float64)
+        parts.append(_vault(fitted, model, xyz, own))
+    title = escape(f"{', '.join(f.vault.title for f in model.vaults)} · {model.scan.name}")
+    head = (
+        f'<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{title}</title><style>{STYLE}</style>"
+    )
+    body = "".join(parts) + _files() + _glossary(model) + _origin(model)
+    path.write_text(f'<!doctype html><html lang="en"><head>{head}</head><body>{body}</body></html>\n', encoding="utf-8")
+
+
+def _vault(fitted: FittedVault, model: Model, points: NDArray[np.float64], deviation: NDArray[np.float64]) -> str:
+    vault, d = fitted.vault, fitted.deviation
+    size = f"{2 * vault.plan.half_x:.2f} × {2 * vault.plan.half_y:.2f} m"
+    facts = [
+        (size, "plan"),
+        (_length(vault.derived_values().get("rise")), "rise"),
+        (_percent(fitted.confidence), "confidence"),
+        (f"{100 * d.p95:.1f} cm", "95 % of the points are nearer"),
+        (d.loa, "level of accuracy"),
+        (_percent(fitted.coverage), "of the surface scanned"),
+    ]
+    figures = "".join(f"<div><b>{escape(value)}</b><span>{escape(label)}</span></div>" for value, label in facts)
+    return (
+        f"<header><h1>{escape(vault.title.capitalize())}</h1>"
+        f'<p class="soft">{escape(str(model.scan))} · {model.points:,} points</p></header>'
+        f"{_summary(fitted)}"
+        f'<div class="figures">{figures}</div>'
+        f"{_drawings(fitted, model.thickness, points)}"
+        f"<section><h2>Deviation</h2>{_deviation(fitted, deviation)}</section>"
+        f"<section><h2>Sizes and parameters</h2>{_parameters(fitted, model.origin)}</section>"
+        f"<section><h2>Components</h2>{_components(fitted.components)}</section>"
+    )
+
+
+def _summary(fitted: FittedVault) -> str:
+    d = fitted.deviation
+    text = (
+        f"A {fitted.vault.title}, found with a confidence of {_percent(fitted.confidence)}. The stone is "
+        f"{100 * d.mean:.1f} cm from the ideal model on average, and 95 % of it within {100 * d.p95:.1f} cm."
+    )
+    others = [f"{family(name).title} {_percent(score)}" for name, score in fitted.alternatives[:3] if score >= 0.001]
+    more = f"<p>Next likeliest: {escape(', '.join(others))}.</p>" if others else ""
+    if not fitted.converged:
+        more += '<p class="warning">The fit had not come to rest when it was stopped: take the figures with care.</p>'
+    return f'<p class="lead">{escape(text)}</p>{more}'
+
+
+def _drawings(fitted: FittedVault, thickness: float, points: NDArray[np.float64]) -> str:
+    pictures = [(plan(fitted, thickness), "Plan: components from above and clear sizes in metres")]
+    dots = "; dots: the scan within 3 cm of the cut" if len(points) else ""
+    for plane in PLANES:
+        caption = f"Section {plane.letter}–{plane.letter}: stone, taken as {100 * thickness:g} cm thick{dots}"
+        pictures.append((section(fitted, thickness, plane, points), caption))
+    figures = "".join(
+        f'<figure style="flex-grow:{drawing.width:.2f}">{drawing.svg()}<figcaption>{escape(text)}</figcaption></figure>'
+        for drawing, text in pictures
+    )
+    return f'<div class="drawings">{figures}</div>'
+
+
+def _deviation(fitted: FittedVault, deviation: NDArray[np.float64]) -> str:
+    rows = [("ideal model", fitted.deviation)]
+    if fitted.as_built is not None:
+        rows.append(("as-built surface", fitted.as_built))
+    limits = sorted(fitted.deviation.within)
+    head = ["distance to the", "mean", "RMS", "95 %", "max", "LOA", *(f"within {100 * v:g} cm" for v in limits)]
+    cells = [[escape(name), *_deviation_cells(d), *(_share(d.within.get(v, 0.0)) for v in limits)] for name, d in rows]
+    chart = ""
+    if len(deviation):
+        caption = (
+            "Distances of the vault's points to the ideal model: above zero they lie higher, below zero in the room"
+        )
+        chart = f"<figure>{histogram(deviation)}<figcaption>{escape(caption)}</figcaption></figure>"
+    return f"{_table(head, cells, numbers=slice(1, 5))}<p></p>{chart}"
+
+
+def _parameters(fitted: FittedVault, origin: NDArray[np.float64]) -> str:
+    pose = fitted.pose
+    x, y, z = np.array([pose.x, pose.y, pose.z]) + origin
+    fit = {name: e for name, e in fitted.parameters.items() if not e.derived}
+    sizes = {name: e for name, e in fitted.parameters.items() if e.derived}
+    arches = "".join(
+        f"<p>{escape(name.replace('_', ' '))}: <b>{escape(kind)}</b></p>"
+        for name, kind in profiles(fitted.vault).items()
+    )
+    return (
+        f"{arches}{_estimates('size', sizes)}<p></p>{_estimates('fitted parameter', fit)}"
+        f"<p class='soft'>The vault's origin, the centre of its plan on the springing, lies at x {x:.3f}, y {y:.3f}, "
+        f"z {z:.3f} m of the scan's coordinates; its x axis is turned by {degrees(pose.yaw):.2f}° about z.</p>"
+    )
+
+
+def _estimates(kind: str, estimates: Mapping[str, Estimate]) -> str:
+    cells = []
+    for name, e in ((name, shown(estimate)) for name, estimate in estimates.items()):
+        cells.append([f"<b>{escape(name.replace('_', ' '))}</b>", _value(e), _std(e), escape(e.meaning)])
+    return _table([kind, "value", "±", "meaning"], cells, numbers=slice(1, 3)) if cells else ""
+
+
+def _components(components: Iterable[Component]) -> str:
+    rows = []
+    for c in components:
+        swatch = f'<span class="swatch" style="background:{colour(c.id).hex}"></span>{escape(c.name.replace("_", " "))}'
+        cells = ["–"] * 5 if c.deviation is None else list(_deviation_cells(c.deviation))
+        rows.append([f"{c.id}", swatch, f"{c.points:,}", _percent(c.coverage), *cells])
+    head = ["id", "component", "points", "coverage", "mean", "RMS", "95 %", "max", "LOA"]
+    return _table(head, rows, numbers=slice(2, 8))
+
+
+def _deviation_cells(d: Deviation) -> tuple[str, ...]:
+    return (*(f"{1000 * v:.1f} mm" for v in (d.mean, d.rms, d.p95, d.max)), escape(d.loa))
+
+
+def _files() -> str:
+    items = "".join(
+        f'<dt><a href="{escape(name)}">{escape(name)}</a></dt><dd>{escape(text)}</dd>' for name, text in FILES
+    )
+    return f"<section><h2>Files</h2><dl>{items}</dl></section>"
+
+
+def _glossary(model: Model) -> str:
+    words = " ".join(f"{name} {' '.join(f.vault.components)}" for f in model.vaults for name in f.vault.values())
+    items = "".join(
+        f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>" for where, term, text in GLOSSARY if where in words
+    )
+    return f"<section><h2>Terms</h2><dl>{items}</dl></section>"
+
+
+def _origin(model: Model) -> str:
+    shift = ", ".join(f"{v:.3f}" for v in model.origin)
+    settings = _list({name: plain(value) for name, value in model.settings.items()} | {"shift [m]": shift})
+    return (
+        f'<div class="two"><section><h2>Settings</h2>{settings}</section>'
+        f"<section><h2>Versions</h2>{_list(dict(sorted(model.versions.items())))}</section></div>"
+    )
+
+
+def _list(values: Mapping[str, Any]) -> str:
+    items = "".join(f"<dt>{escape(str(k))}</dt><dd>{escape(_plainly(v))}</dd>" for k, v in values.items())
+    return f"<dl>{items}</dl>"
+
+
+def _plainly(value: Any) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
+
+
+def _table(head: Row, rows: Iterable[Row], numbers: slice) -> str:
+    """A table of cells that are HTML already; the columns `numbers` stand to the right."""
+
+    def row(cells: Row, tag: str) -> str:
+        texts = list(cells)
+        right = set(range(len(texts))[numbers])
+        return "".join(f'<{tag} class="{"n" if k in right else ""}">{text}</{tag}>' for k, text in enumerate(texts))
+
+    body = "".join(f"<tr>{row(cells, 'td')}</tr>" for cells in rows)
+    top = row(map(escape, head), "th")
+    return f'<div class="wide"><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>'
+
+
+def _value(e: Estimate) -> str:
+    unit = "°" if e.unit == "deg" else f" {e.unit}" if e.unit != "1" else ""
+    return f"{e.value:.{0 if e.value == int(e.value) and not unit else 3}f}{escape(unit)}"
+
+
+def _std(e: Estimate) -> str:
+    match e.std, e.unit:
+        case None, _:
+            return "–"
+        case float(std), "m":
+            return f"{1000 * std:.1f} mm"
+        case std, "deg":
+            return f"{std:.3f}°"
+        case std, _:
+            return f"{std:.4f}"
+
+
+def _share(value: float) -> str:
+    return f'<span class="bar" style="width:{3.2 * value:.2f}em"></span> {_percent(value)}'
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.1f} %"
+
+
+def _length(value: float | None) -> str:
+    return "–" if value is None else f"{value:.2f} m"

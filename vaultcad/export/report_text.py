@@ -1,0 +1,94 @@
+"""What report.html says about terms, and how it looks."""
+
+from __future__ import annotations
+
+# Terms explained where they occur among a vault's components or parameters; those with "" always.
+GLOSSARY: tuple[tuple[str, str, str], ...] = (
+    ("", "intrados, extrados", "the lower and the upper surface of the masonry; a scan from below sees the intrados"),
+    ("", "springing", "the level where the vault leaves its walls; all heights count from it"),
+    ("", "crown", "the highest line or point of the intrados; the rise is its height above the springing"),
+    (
+        "",
+        "deviation",
+        "distance of a scanned point to the ideal model; positive into the stone, negative into the room",
+    ),
+    ("", "RMS", "square root of the mean of the squared deviations"),
+    ("", "95 % limit", "the distance that 95 % of the points keep"),
+    (
+        "",
+        "LOA",
+        "USIBD level of accuracy of that limit: LOA10 above 5 cm, LOA20 to 5 cm, LOA30 to 15 mm, LOA40 to 5 mm, "
+        "LOA50 to 1 mm",
+    ),
+    ("", "±", "one standard deviation: about two times in three the true value is nearer"),
+    ("", "coverage", "share of the surface on which there are scanned points"),
+    ("", "as built", "the ideal model bent smoothly to follow settlement and bulges of the stone"),
+    ("web", "web", "one of the fields of a groin vault, between two groins and a wall arch"),
+    ("web", "groin", "the edge where two barrels meet"),
+    ("cove", "cove", "curved strip between a wall and the level field of a mirror vault; S is its run, H its rise"),
+    ("lunette", "lunette", "small transverse vault that cuts into a barrel, often over a window"),
+    ("drum", "drum", "the cylinder between pendentives and dome"),
+    ("pendentive", "pendentive", "spherical triangle that leads from a corner of the square to the ring of the drum"),
+    ("south", "head", "the curved end of a trough vault, like a quarter of a cloister vault"),
+)
+
+FILES: tuple[tuple[str, str], ...] = (
+    ("model.step", "exact solids for CAD: FreeCAD, Rhino, CATIA"),
+    ("model.ifc", "IFC4 for BIM; in Revit link it"),
+    ("model.glb", "coloured mesh for any 3D viewer"),
+    ("segments.laz", "every point with its component and its deviation: CloudCompare, ReCap"),
+    ("report.json", "all figures of this page for programs"),
+)
+
+STYLE = """
+:root { color-scheme: light dark; --ink: #1d1f23; --soft: #5d6470; --paper: #fbfaf8; --card: #fff; --line: #dcd9d2;
+  --accent: #2f6f8f; --scan: #d9480f; }
+@media (prefers-color-scheme: dark) { :root { --ink: #e8e6e1; --soft: #a3a9b3; --paper: #17191c; --card: #1f2226;
+  --line: #3a3e45; --accent: #7fbbd6; --scan: #ffa94d; } }
+* { box-sizing: border-box; }
+body { margin: 0 auto; max-width: 66rem; padding: 2rem 1.25rem 4rem; background: var(--paper); color: var(--ink);
+  font: 15px/1.5 system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; }
+h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 .25rem; }
+h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; }
+p { margin: .3rem 0 .8rem; max-width: 48rem; }
+.soft, figcaption, .meaning { color: var(--soft); }
+.lead { font-size: 1.08rem; }
+.warning { border-left: 4px solid #c77; padding-left: .7rem; }
+.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(9rem, 1fr)); gap: .7rem; margin: 1.2rem 0; }
+.figures div { background: var(--card); border: 1px solid var(--line); border-radius: .5rem; padding: .6rem .8rem; }
+.figures b { display: block; white-space: nowrap; font-size: 1.2rem; font-weight: 600;
+  font-variant-numeric: tabular-nums; }
+.figures span { color: var(--soft); font-size: .85rem; }
+.drawings { display: flex; flex-wrap: wrap; gap: 1rem; align-items: flex-end; }
+figure { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: .5rem; padding: .6rem; }
+.drawings figure { flex: 1 1 0; min-width: 0; max-width: 34rem; }
+@media (max-width: 44rem) { .drawings { display: block; } .drawings figure { max-width: none; margin-bottom: 1rem; } }
+figcaption { font-size: .85rem; margin-top: .3rem; }
+svg { display: block; width: 100%; height: auto; max-height: 30rem; }
+.stone { fill-opacity: .78; stroke: var(--ink); stroke-width: .8; stroke-linejoin: round;
+  vector-effect: non-scaling-stroke; }
+.cutting, .springing, .dimension { fill: none; stroke: var(--soft); stroke-width: 1;
+  vector-effect: non-scaling-stroke; }
+.cutting { stroke-dasharray: 10 3 2 3; } .springing { stroke-dasharray: 4 4; }
+.beyond { fill: none; stroke: var(--soft); stroke-width: .8; vector-effect: non-scaling-stroke; }
+.scan { stroke: var(--scan); stroke-width: 2; stroke-linecap: round; stroke-opacity: .6;
+  vector-effect: non-scaling-stroke; }
+.drawing text { fill: var(--ink); dominant-baseline: middle; text-anchor: middle; }
+.drawing .plumb { text-anchor: start; } .drawing .letter { font-weight: 700; }
+.chart text { font-size: 11px; fill: var(--soft); text-anchor: middle; } .chart rect { fill: var(--accent); }
+.chart path { stroke: var(--soft); stroke-width: 1; fill: none; }
+table { border-collapse: collapse; width: 100%; background: var(--card); border: 1px solid var(--line); }
+th, td { text-align: left; padding: .3rem .6rem; border-bottom: 1px solid var(--line); vertical-align: top; }
+th { font-weight: 600; font-size: .85rem; color: var(--soft); }
+td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+.swatch { display: inline-block; width: .85em; height: .85em; border-radius: .2em; margin-right: .45em; }
+.bar { display: inline-block; height: .6em; background: var(--accent); border-radius: .2em; vertical-align: middle; }
+.two { display: grid; grid-template-columns: repeat(auto-fit, minmax(19rem, 1fr)); gap: 1rem; align-items: start; }
+.wide { overflow-x: auto; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: .2rem 1rem; margin: 0; }
+dt { font-weight: 600; } dd { margin: 0; color: var(--soft); overflow-wrap: anywhere; }
+a { color: var(--accent); }
+.swatch, .bar, .stone, .chart rect { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
+@media print { body { padding: 0; max-width: none; font-size: 11pt; background: none; }
+  section, figure, table, .figures { break-inside: avoid; } h2 { break-after: avoid; } }
+"""
