@@ -5,28 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
-from math import hypot, pi
+from math import pi
 
 from OCP.BRepAlgoAPI import BRepAlgoAPI_BooleanOperation, BRepAlgoAPI_Common, BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakePrism, BRepPrimAPI_MakeRevol
-from OCP.gp import gp_Ax1, gp_Ax2, gp_Circ, gp_Dir, gp_Elips, gp_Pnt, gp_Trsf, gp_Vec
+from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
 from OCP.TopAbs import TopAbs_FACE
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
-from OCP.TopoDS import TopoDS_Edge, TopoDS_Face, TopoDS_Shape
+from OCP.TopoDS import TopoDS_Shape
 from OCP.TopTools import TopTools_ListOfShape
 
 from families.cells import NEAR, Cell
+from families.domical import domical
 from families.outline import Bow, Point, half_outline
-from families.parts import Ball, Barrel, Ceiling, Direction, Lid, Part, Piece, Turned
+from families.parts import Ball, Barrel, Ceiling, Lid, Part, Piece, Turned
 from families.profiles import Arc, Curve
+from families.sketch import MM, TOUCH, Upright, sketch
 
-MM = 1000.0  # parameters are in metres, B-Rep in millimetres
 CORNERS = [(True, True), (False, True), (False, False), (True, False)]  # x > 0 and y > 0, counterclockwise
 FUZZY = (1e-3, 1e-2, 1e-4)  # [mm], tried in turn: surfaces that are tangent at a corner of a cell meet none too sharply
-TOUCH = 1e-9  # [m], two ends nearer than that are one point
 BEYOND = 0.2  # how far, by its size, a body that is cut by others is made beyond its cell, so that no faces coincide
 
 
@@ -64,7 +63,7 @@ def _boolean(
 
 def is_sound(shape: TopoDS_Shape) -> bool:
     """Whether a shape has a face and OpenCASCADE finds no fault in it."""
-    return TopExp_Explorer(shape, TopAbs_FACE).More() and BRepCheck_Analyzer(shape).IsValid()
+    return bool(TopExp_Explorer(shape, TopAbs_FACE).More() and BRepCheck_Analyzer(shape).IsValid())
 
 
 def _listed(shapes: Sequence[TopoDS_Shape]) -> TopTools_ListOfShape:
@@ -85,7 +84,7 @@ def _piece(piece: Piece, cell: Cell) -> TopoDS_Shape | None:
         reach = view.widened(reach)
     shapes = [_barrel(view, replace(reach, low=cell.low)) for view in views]
     shapes += [_body(part, reach) for part in piece.parts if not isinstance(part, Barrel)]
-    if any(isinstance(part, Ball) for part in piece.parts) or any(view.part.crown_rise for view in views):
+    if any(isinstance(part, Ball) for part in piece.parts):
         shapes.append(box(cell))
     return reduce(common, shapes)
 
@@ -131,19 +130,16 @@ class _View:
 
 
 def _barrel(view: _View, reach: Cell) -> TopoDS_Shape:
-    part, along = view.part, "y" if view.part.across == "x" else "x"
-    start, end = reach.side("y" if part.across == "x" else "x")
-    slope = part.crown_rise / part.half_length
-    lifts = [part.base + part.crown_rise - slope * abs(place) for place in (start, end)]
-    low = reach.low - max(lifts) - (BEYOND * (reach.high - reach.low) if part.crown_rise else 0.0)
-    far = min(part.curve.half_span, view.far)
-    bows = half_outline(part.curve, view.near, far, low)
+    part, (start, end) = view.part, reach.side("y" if view.part.across == "x" else "x")
+    low = reach.low - part.base
+    bows = half_outline(part.curve, view.near, min(part.curve.half_span, view.far), low - part.crown_rise)
+    if part.crown_rise:
+        return domical(part, view.sign, bows, view.near, reach.low, (start, end))
     outline: list[Point | Bow] = [(view.near, low), (bows[0].at(bows[0].start)[0], low), *bows]
-    if bows[-1].at(bows[-1].end)[0] > TOUCH:
+    if view.near > TOUCH:
         outline.append((view.near, bows[-1].at(bows[-1].end)[1]))
-    face = _face(outline, _Plane(part.across, part.centre, start, lifts[0], view.sign))
-    run, rise = end - start, lifts[1] - lifts[0]
-    vector = (0.0, run, rise) if along == "y" else (run, 0.0, rise)
+    face = sketch(outline, Upright(part.across, part.centre, start, part.base, view.sign))
+    vector = (0.0, end - start, 0.0) if part.across == "x" else (end - start, 0.0, 0.0)
     return BRepPrimAPI_MakePrism(face, gp_Vec(*vector).Multiplied(MM)).Shape()
 
 
@@ -170,53 +166,10 @@ def _turned(curve: Curve, base: float, foot: float, cell: Cell) -> TopoDS_Shape:
     low = foot - base
     bows = half_outline(curve, 0.0, curve.half_span, low)
     outline: list[Point | Bow] = [(0.0, low), (bows[0].at(bows[0].start)[0], low), *bows]
-    face, axis = _face(outline, _Plane("x", 0.0, 0.0, base, 1)), gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
+    face, axis = sketch(outline, Upright("x", 0.0, 0.0, base, 1)), gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
     corner = sum(cell.x) > 0, sum(cell.y) > 0
     if cell.x[0] < 0 < cell.x[1]:
         return BRepPrimAPI_MakeRevol(face, axis).Shape()
     quarter, turn = BRepPrimAPI_MakeRevol(face, axis, pi / 2).Shape(), gp_Trsf()
     turn.SetRotation(axis, pi / 2 * CORNERS.index(corner))
     return quarter.Moved(TopLoc_Location(turn))
-
-
-@dataclass(frozen=True)
-class _Plane:
-    """Vertical plane in which an outline is drawn: u along `across` from `centre` to one side, at a place along it."""
-
-    across: Direction
-    centre: float
-    along: float
-    base: float
-    sign: int
-
-    def point(self, u: float, z: float) -> gp_Pnt:
-        across, along = MM * (self.centre + self.sign * u), MM * self.along
-        x, y = (across, along) if self.across == "x" else (along, across)
-        return gp_Pnt(x, y, MM * (self.base + z))
-
-    def edge(self, bow: Bow) -> TopoDS_Edge:
-        u = gp_Dir(self.sign, 0, 0) if self.across == "x" else gp_Dir(0, self.sign, 0)
-        up = gp_Dir(0, 0, 1)
-        normal, centre = u.Crossed(up), self.point(bow.u, bow.z)
-        if bow.a == bow.b:
-            circle = gp_Circ(gp_Ax2(centre, normal, u), MM * bow.a)
-            return BRepBuilderAPI_MakeEdge(circle, bow.start, bow.end).Edge()
-        if bow.a > bow.b:
-            ellipse = gp_Elips(gp_Ax2(centre, normal, u), MM * bow.a, MM * bow.b)
-            return BRepBuilderAPI_MakeEdge(ellipse, bow.start, bow.end).Edge()
-        # OpenCASCADE counts from the long axis, here the upright one.
-        ellipse = gp_Elips(gp_Ax2(centre, normal, up), MM * bow.b, MM * bow.a)
-        return BRepBuilderAPI_MakeEdge(ellipse, bow.start - pi / 2, bow.end - pi / 2).Edge()
-
-
-def _face(outline: Sequence[Point | Bow], plane: _Plane) -> TopoDS_Face:
-    """Planar face within corners and arcs; straight lines join what does not touch."""
-    wire = BRepBuilderAPI_MakeWire()
-    ends = [(step.at(step.start), step.at(step.end)) if isinstance(step, Bow) else (step, step) for step in outline]
-    for k, step in enumerate(outline):
-        if isinstance(step, Bow):
-            wire.Add(plane.edge(step))
-        here, there = ends[k][1], ends[(k + 1) % len(ends)][0]
-        if hypot(there[0] - here[0], there[1] - here[1]) > TOUCH:
-            wire.Add(BRepBuilderAPI_MakeEdge(plane.point(*here), plane.point(*there)).Edge())
-    return BRepBuilderAPI_MakeFace(wire.Wire(), True).Face()

@@ -78,15 +78,13 @@ class Groin(Vault):
         return Plan(self.span_x / 2 + self.offset_x, self.span_y / 2 + self.offset_y)
 
     def pieces(self) -> tuple[Piece, ...]:
-        """Two barrels, each with its crown lifted by as much at the middle."""
-        top = max(self.rise_x, self.rise_y) + self.crown_rise
+        """Two barrels, both with their axes lifted by as much at the middle."""
         plan = self.plan
 
         def barrel(span: float, profile: Profile, across: Direction, names: tuple[str, str]) -> Piece:
             curve = profile.curve(span / 2)
-            lift = top - curve.rise if self.crown_rise else 0.0
             length = plan.half_y if across == "x" else plan.half_x
-            return Piece((BarrelPart(across, curve, names, crown_rise=lift, half_length=length),))
+            return Piece((BarrelPart(across, curve, names, crown_rise=self.crown_rise, half_length=length),))
 
         return (
             barrel(self.span_x, self.profile_x, "x", ("web_south", "web_north")),

@@ -127,11 +127,13 @@ def _body(x: float, y: float, z: float, part: Array) -> tuple[float, float, floa
         else:
             sign = 1.0 if u >= 0.0 else -1.0
             u = abs(u)
-        slope = part[CROWN_RISE] / part[HALF_LENGTH]
-        h = z - part[BASE] - part[CROWN_RISE] + slope * abs(along)
+        # The axis is a parabola: with straight slopes the lower of two crossing barrels would come out at the middle.
+        way = along / part[HALF_LENGTH]
+        slope = 2.0 * part[CROWN_RISE] * way / part[HALF_LENGTH]
+        h = z - part[BASE] - part[CROWN_RISE] * (1.0 - way * way)
         d, nu, nz = _profile(u, h, part)
         if slope != 0.0:
-            na = nz * slope * (1.0 if along >= 0.0 else -1.0)
+            na = nz * slope
             size = sqrt(1.0 + na * na)
             d, nu, nz, na = d / size, nu / size, nz / size, na / size
         else:

@@ -62,7 +62,7 @@ def _meshed(shape: TopoDS_Shape, faces: list[tuple[TopoDS_Face, int]], tolerance
     from OCP.TopAbs import TopAbs_REVERSED
     from OCP.TopLoc import TopLoc_Location
 
-    from families.bodies import MM
+    from families.sketch import MM
 
     BRepMesh_IncrementalMesh(shape, MM * tolerance, False, ANGLE, False)
     points, corners, names, offset = [], [], [], 0

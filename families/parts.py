@@ -20,7 +20,7 @@ class Barrel:
 
     |across - centre| is the curve's u; `base` its springing. With `side` = +1 or -1 it is one cove: u counts from
     `centre` to that side only, and there is nothing on the other. `crown_rise` lifts the axis from 0 at
-    |along| = `half_length` to that much at the middle, along a straight line. `names` are the components at along < 0
+    |along| = `half_length` to that much at the middle, along a parabola. `names` are the components at along < 0
     and along > 0 (twice the same name if it is one).
     """
 
@@ -37,6 +37,10 @@ class Barrel:
     def top(self) -> float:
         """Highest point [m]."""
         return self.base + self.curve.rise + self.crown_rise
+
+    def lift(self, along: float) -> float:
+        """Height [m] of the axis above `base` at a place along it."""
+        return self.crown_rise * (1 - (along / self.half_length) ** 2)
 
     def grown(self, thickness: float) -> Barrel:
         """With all radii larger by `thickness` [m]."""
@@ -123,8 +127,20 @@ class Piece:
     parts: tuple[Part, ...]
 
     def grown(self, thickness: float) -> Piece:
-        """All parts grown by `thickness` [m]."""
-        return Piece(tuple(p.grown(thickness) for p in self.parts))
+        """All parts grown by `thickness` [m], some a little more, so that crowns which meet still do.
+
+        Arcs about a centre off the axis, as in a pointed barrel, gain more than the thickness at the crown.
+        """
+        parts = [p.grown(thickness) for p in self.parts]
+        for k, part in enumerate(self.parts):
+            if isinstance(part, Barrel):
+                level = max(
+                    grown.top
+                    for grown, other in zip(parts, self.parts, strict=True)
+                    if isinstance(other, Barrel) and abs(other.top - part.top) < 1e-9
+                )
+                parts[k] = part.grown(part.curve.thickness_below(level - part.base - part.crown_rise))
+        return Piece(tuple(parts))
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,13 @@ class Curve:
         rise = self.rise + thickness if top is None else top.z + sqrt(top.radius**2 - top.u**2)
         return Curve(self.half_span + thickness, rise, self.stilt, arcs)
 
+    def thickness_below(self, rise: float) -> float:
+        """The thickness [m] with which `grown` reaches a rise [m]."""
+        if not self.arcs:
+            return rise - self.rise
+        top = self.arcs[-1]
+        return hypot(top.u, rise - top.z) - top.radius
+
 
 def circle_through(half_span: float, rise: float) -> float:
     """Radius R = (S² + H²) / (2 H) [m] of the arc that rises by H over the half span S (or a cove's run)."""

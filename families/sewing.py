@@ -18,8 +18,8 @@ from OCP.TopAbs import TopAbs_FACE, TopAbs_SHELL
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Face, TopoDS_Shape
 
-from families.bodies import MM
 from families.cells import Cuts
+from families.sketch import MM
 
 SEAM = 1e-5  # [m], edges nearer than that are sewn
 NEAR = 1e-7  # [m]

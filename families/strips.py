@@ -61,15 +61,15 @@ class Drawn(Strip):
     half: float
 
     @property
-    def slope(self) -> float:
-        """Fall of the axis towards its ends."""
-        return self.part.crown_rise / self.part.half_length
+    def steepness(self) -> float:
+        """Slope of the axis at its ends."""
+        return 2 * self.part.crown_rise / self.part.half_length**2 * self.half
 
     @cached_property
     def _table(self) -> tuple[Array, Array]:
         t = np.linspace(self.line.start, self.line.end, STEPS + 1)
         _, _, _, nz = self.line.trace((t[1:] + t[:-1]) / 2)
-        width = _steps(self.line, t) * np.sqrt(1 + (self.slope * nz) ** 2)  # a sloping axis stretches what is not wall
+        width = _steps(self.line, t) * _stretch(self.steepness * nz, 1.0)
         return t, np.concatenate([[0.0], np.cumsum(width)])
 
     @property
@@ -81,10 +81,10 @@ class Drawn(Strip):
         """Points and normals."""
         t, width = self._table
         u, z, nu, nz = self.line.trace(np.interp(a * width[-1], width, t))
-        along = self.half * (2 * b - 1)
-        na = self.slope * np.sign(along) * nz
+        way = _unstretched(self.steepness * nz, 2 * b - 1) if self.steepness else 2 * b - 1
+        along, na = self.half * way, self.steepness * way * nz
         across = self.part.centre + self.side * u
-        height = self.part.base + self.part.crown_rise - self.slope * np.abs(along) + z
+        height = self.part.base + self.part.crown_rise * (1 - (along / self.part.half_length) ** 2) + z
         pairs = [(across, along), (self.side * nu, na)]
         xy, nxy = pairs if self.part.across == "x" else [pair[::-1] for pair in pairs]
         normal = np.stack([*nxy, nz], axis=1)
@@ -150,3 +150,20 @@ def _steps(line: Bow | Wall, t: Array) -> Array:
         return np.diff(t)
     middle = (t[1:] + t[:-1]) / 2
     return np.hypot(line.a * np.sin(middle), line.b * np.cos(middle)) * np.diff(t)
+
+
+def _stretch(steep: Array, way: Array | float) -> Array:
+    """Area from the middle of a barrel to a share of its half length, by that without a slope.
+
+    The axis is a parabola whose slope times nz is `steep` at the end: the integral of sqrt(1 + (steep s)²) over s.
+    """
+    k = np.maximum(np.abs(steep), 1e-9)
+    return (way * np.sqrt(1 + (k * way) ** 2) + np.arcsinh(k * way) / k) / 2
+
+
+def _unstretched(steep: Array, share: Array) -> Array:
+    """The place at which `_stretch` reaches a share of its whole, by Newton's method."""
+    whole, way = _stretch(steep, 1.0), share.copy()
+    for _ in range(5):
+        way -= (_stretch(steep, way) - share * whole) / np.sqrt(1 + (steep * way) ** 2)
+    return way
