@@ -18,7 +18,11 @@ from vaultcad.starts import starts
 Array = NDArray[np.float64]
 
 EXTRAS = ("crown_rise_ratio", "offset_x_ratio", "offset_y_ratio", "shift_ratio")  # held at zero unless they pay
+FIRST = 0.02  # such a parameter starts from here
+PAYS = 10.0  # and must lower the score by this much
 COARSE, MIDDLE, FINE = 0.15, 0.1, 0.05  # m, scales of the loss
+ENDS = 0.06  # share of the evidence that the ends of the stone have where there are no walls
+BELOW = 0.1  # m; a springing lower than this and two points under the lowest point is a guess
 BLOCK = 0.5  # m; settlement makes residuals alike within about this distance, so a block counts once
 FLOOR = 2e-3  # m; below this no scanner tells two models apart
 HOPELESS = 2.5  # a family whose cost is this much above the best one's is not refined
@@ -41,27 +45,29 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Evidence:
-    """The site's points in the numbers that a stage works with: (n, 3) [m] and weights (n,)."""
+    """Points of a site as many as a stage works with (n, 3) [m], weights (n,), and the lowest springing [m]."""
 
     points: Array
     weights: Array
+    lowest: float
 
     @classmethod
     def draw(cls, site: Site, count: int, rng: np.random.Generator) -> Evidence:
-        """`count` of the site's points, or all if there are fewer, and the places where walls are known to stand."""
+        """`count` of the site's points, or all if they are fewer, and the ends of the stone where no walls are."""
         k = np.sort(rng.permutation(len(site.points))[:count])
-        return cls(site.points[k], site.weights[k]).joined(site.edges())
-
-    def joined(self, other: tuple[Array, Array]) -> Evidence:
-        """With more points; their weights (a share of the whole each) are scaled to this evidence."""
-        points, shares = other
-        return Evidence(
-            np.concatenate([self.points, points]), np.concatenate([self.weights, shares * self.weights.sum()])
-        )
+        points, weights = site.points[k], site.weights[k]
+        if len(site.ends):  # they tie the plan to where the stone ends, as walls would
+            tie = np.full(len(site.ends), ENDS * weights.sum() / len(site.ends))
+            points, weights = np.concatenate([points, site.ends]), np.concatenate([weights, tie])
+        return cls(points, weights, site.bottom - BELOW - 2 * site.spacing)
 
     def cost(self, placed: Placed, scale: float) -> float:
         """Weighted mean of the robust cost, 0 to 1."""
         return float(self.weights @ robust_cost(placed.distance(self.points), scale) / self.weights.sum())
+
+    def solve(self, start: Placed, free: tuple[str, ...], scales: tuple[float, ...], *, most: int = 15) -> Solution:
+        """Fit pose and the free parameters, see `vaultcad.solve.solve`."""
+        return solve(start, self.points, self.weights, free, scales, lowest=self.lowest, most=most)
 
 
 def free_parameters(vault: Vault, *, extras: Sequence[str] = ()) -> tuple[str, ...]:
@@ -104,9 +110,7 @@ def _rough(family: type[Vault], site: Site, few: Evidence, some: Evidence) -> li
     """The best of the three best starts, refined with a wide loss."""
     grid = list(starts(family, site))
     order = np.argsort([few.cost(placed, COARSE) for placed in grid], kind="stable")[:3]
-    solved = [
-        solve(grid[k], some.points, some.weights, free_parameters(grid[k].vault), (0.3, MIDDLE), most=8) for k in order
-    ]
+    solved = [some.solve(grid[k], free_parameters(grid[k].vault), (0.3, MIDDLE), most=8) for k in order]
     return [min(solved, key=lambda s: some.cost(s.placed, MIDDLE))] if solved else []
 
 
@@ -117,16 +121,29 @@ def _scale(solution: Solution) -> float:
 
 
 def _best_variant(placed: Placed, evidence: Evidence, scale: float, blocks: int) -> Hypothesis:
-    """The fit with the most likely kind of profile in each place, chosen place by place."""
-    best = _judge(placed, evidence, scale, blocks)
-    for name in [name for name in vars(placed.vault) if isinstance(getattr(placed.vault, name), Profile)]:
+    """The fit with the most likely kind of profile in each place, and those extras that pay."""
+    best = _best_profiles(_judge(placed, evidence, scale, blocks), (), evidence, scale, blocks)
+    freed: tuple[str, ...] = ()
+    for name in [p.name for p in best.vault.parameters() if p.name in EXTRAS]:
+        start = replace(best.solution.placed, vault=best.vault.replaced({name: FIRST}))
+        trial = _judge(start, evidence, scale, blocks, (*freed, name))
+        if trial.score < best.score - PAYS:
+            best, freed = trial, (*freed, name)
+    return _best_profiles(best, freed, evidence, scale, blocks) if freed else best
+
+
+def _best_profiles(
+    best: Hypothesis, extras: tuple[str, ...], evidence: Evidence, scale: float, blocks: int
+) -> Hypothesis:
+    """With each kind of profile in place of its own, place by place."""
+    for name in [name for name in vars(best.vault) if isinstance(getattr(best.vault, name), Profile)]:
         placed = best.solution.placed
+        old = getattr(placed.vault, name)
         for kind in PROFILES:
-            old = getattr(placed.vault, name)
             new = None if type(old) is kind else _as(kind, old)
             if new is not None:
                 trial = replace(placed, vault=replace(placed.vault, **{name: new}))
-                best = min(best, _judge(trial, evidence, scale, blocks), key=lambda h: h.score)
+                best = min(best, _judge(trial, evidence, scale, blocks, extras), key=lambda h: h.score)
     return best
 
 
@@ -139,10 +156,10 @@ def _as(kind: type[Profile], profile: Profile) -> Profile | None:
     return kind.over(0.5) if abs(ratio - 0.5) < 0.1 else None
 
 
-def _judge(placed: Placed, evidence: Evidence, scale: float, blocks: int) -> Hypothesis:
+def _judge(placed: Placed, evidence: Evidence, scale: float, blocks: int, extras: tuple[str, ...] = ()) -> Hypothesis:
     """Fit with a narrow loss, and score by Schwarz's criterion on as many independent residuals as there are blocks."""
-    free = free_parameters(placed.vault)
-    solution = solve(placed, evidence.points, evidence.weights, free, (2 * scale, scale), most=8)
+    free = free_parameters(placed.vault, extras=extras)
+    solution = evidence.solve(placed, free, (2 * scale, scale), most=8)
     cost = evidence.cost(solution.placed, scale)
     floor = (FLOOR / scale) ** 2
     integers = sum(p.integer for p in placed.vault.parameters())

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import log
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.recognise import EXTRAS, Evidence, Hypothesis, free_parameters
+from vaultcad.recognise import EXTRAS, FIRST, PAYS, Evidence, Hypothesis
 from vaultcad.site import Site
-from vaultcad.solve import Placed, Solution, solve
+from vaultcad.solve import POSE, Placed, Solution
 
 Array = NDArray[np.float64]
 POINTS = 20_000
 TIGHTEST, WIDEST = 0.004, 0.05  # m, limits of the last loss
-PAYS = 10.0  # what an extra parameter must lower the score by
+FAINT = 1e-4  # of the cost
+PLAIN: tuple[Mapping[str, float], ...] = (  # what a vault is taken for unless the scan says otherwise
+    {"plane_ratio": 1.0},
+    {"pendentive_ratio": 0.0},
+    {"drum_ratio": 0.0},
+    {"south_ratio": 1.0, "north_ratio": 1.0},
+    {"width_ratio": 1.0},
+    {"springing_ratio": 0.0},
+)
 
 
 @dataclass(frozen=True)
@@ -33,27 +42,37 @@ class Refined:
 
 
 def refine(winner: Hypothesis, site: Site, blocks: int, rng: np.random.Generator) -> Refined:
-    """Fit the winner to up to `POINTS` points of the site, narrowing the loss to the scatter that is left."""
+    """Fit the winner to up to `POINTS` points of the site, narrowing the loss to the scatter that is left.
+
+    What is mostly zero is freed where that pays, what is nearly plain is made plain where that costs nothing; the
+    price of a parameter is Schwarz's.
+    """
     evidence = Evidence.draw(site, POINTS, rng)
-    best = _fit(winner.solution.placed, (), evidence)
-    held = [p.name for p in best.placed.vault.parameters() if p.name in EXTRAS]
-    freed: tuple[str, ...] = ()
-    for name in held:
-        range_ = next(p.range for p in best.placed.vault.parameters() if p.name == name)
-        start = best.placed.vault.replaced({name: 0.02 * (range_.high - max(range_.low, 0.0))})
-        trial = _fit(replace(best.placed, vault=start), (*freed, name), evidence)
-        if blocks * log(_cost(best, evidence) / _cost(trial, evidence, best.scatter)) > PAYS:
-            best, freed = trial, (*freed, name)
+    best = _fit(winner.solution.placed, winner.free, evidence)
+    for name in [p.name for p in best.placed.vault.parameters() if p.name in EXTRAS and p.name not in winner.free]:
+        start = replace(best.placed, vault=best.placed.vault.replaced({name: FIRST}))
+        trial = _fit(start, (*_freed(best), name), evidence)
+        if blocks * log(_cost(best, evidence, best) / _cost(trial, evidence, best)) > PAYS:
+            best = trial
+    for values in PLAIN:
+        free = _freed(best)
+        if set(values) <= set(free):
+            start = replace(best.placed, vault=best.placed.vault.replaced(values))
+            trial = _fit(start, tuple(name for name in free if name not in values), evidence)
+            if blocks * log(_cost(trial, evidence, best) / _cost(best, evidence, best)) < len(values) * log(blocks):
+                best = trial
     return best
 
 
-def _fit(start: Placed, extras: tuple[str, ...], evidence: Evidence) -> Refined:
-    free = free_parameters(start.vault, extras=extras)
-    solution = solve(start, evidence.points, evidence.weights, free, (WIDEST,))
+def _freed(refined: Refined) -> tuple[str, ...]:
+    return refined.solution.names[len(POSE) :]
+
+
+def _fit(start: Placed, free: tuple[str, ...], evidence: Evidence) -> Refined:
+    solution = evidence.solve(start, free, (WIDEST,))
     for _ in range(3):
-        scatter = _scatter(solution)
-        scale = float(np.clip(4 * scatter, TIGHTEST, WIDEST))
-        solution = solve(solution.placed, evidence.points, evidence.weights, free, (scale,))
+        scale = float(np.clip(4 * _scatter(solution), TIGHTEST, WIDEST))
+        solution = evidence.solve(solution.placed, free, (scale,))
     return Refined(solution, evidence.points, _scatter(solution))
 
 
@@ -62,6 +81,7 @@ def _scatter(solution: Solution) -> float:
     return float(1.4826 * np.median(np.abs(solution.residuals[near])))
 
 
-def _cost(refined: Refined, evidence: Evidence, scatter: float | None = None) -> float:
-    scale = float(np.clip(4 * (refined.scatter if scatter is None else scatter), TIGHTEST, WIDEST))
-    return evidence.cost(refined.placed, scale) + 1e-4
+def _cost(refined: Refined, evidence: Evidence, measure: Refined) -> float:
+    """Cost with the loss that suits the scatter of `measure`; never zero, as no scan is exact."""
+    scale = float(np.clip(4 * measure.scatter, TIGHTEST, WIDEST))
+    return evidence.cost(refined.placed, scale) + FAINT

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,10 +16,13 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 FEWEST = 1000  # points of a scan
 CELL, CELLS = 0.004, (0.02, 0.08)  # thinning, as a share of the scan's diagonal, and its limits in metres
-STEEP = 0.3  # |nz| of a wall at the most
+UPRIGHT = 0.1  # |nz| of a wall at the most, where haunches must not be taken for one
+WALL = 0.5  # m, height of plane wall along all of a side that makes it a wall
+STEEP = 0.3  # |nz| below which a point weighs as a wall
 LEVEL = 0.9  # |nz| of a floor at the least
-EDGE = 0.02  # share of the evidence that an edge without a wall has
-BIN = 0.05  # m, of the histograms along the plan's axes
+PEAK = 5.0  # how far the most frequent direction of the walls must stand above the middling one
+RIM, STRIP, FEW = 0.3, 0.1, 12  # m, depth and width of the strips where the end of the stone is looked for; points
+BIN = 0.03  # m, of the histograms along the plan's axes
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,7 @@ class Site:
     less for walls. yaw: of the rectangle's x axis [rad]. low, high: (2,) its corners in that turned frame [m].
     walled: (2, 2) whether a wall stands there, by axis and side. bottom, crown: heights of
     the points kept [m]. spacing: of the points [m].
+    ends: (k, 3) where the stone ends in plan on the sides without a wall, put below all other points [m].
     """
 
     points: Array
@@ -42,6 +46,7 @@ class Site:
     bottom: float
     crown: float
     spacing: float
+    ends: Array
 
     @property
     def centre(self) -> Array:
@@ -54,20 +59,6 @@ class Site:
         """(2,) of the rectangle [m]."""
         spans: Array = self.high - self.low
         return spans
-
-    def edges(self) -> tuple[Array, Array]:
-        """Where no wall stands, points (k, 3) on the plan's edge below all others, and their shares (k,) of the weight.
-
-        They tie the plan to the end of the stone, as a wall would.
-        """
-        rows = []
-        for axis, side in zip(*np.nonzero(~self.walled), strict=True):
-            along = np.linspace(self.low[1 - axis], self.high[1 - axis], 12)[1:-1]
-            xy = np.empty((len(along), 2))
-            xy[:, 1 - axis], xy[:, axis] = along, (self.low if side == 0 else self.high)[axis]
-            rows.append(np.column_stack([turned(xy, -self.yaw), np.full(len(along), self.bottom - 1.0)]))
-        points = np.concatenate(rows) if rows else np.empty((0, 3))
-        return points, np.full(len(points), EDGE / 10)
 
 
 def survey(cloud: Cloud) -> Site:
@@ -88,7 +79,8 @@ def survey(cloud: Cloud) -> Site:
     thinned = thin(cloud.xyz, voxel)
     normals = estimate(thinned.xyz)
     # Means round off groins and springings, so the fit gets a point of the scan from each cell.
-    return find_site(cloud.xyz[thinned.first].astype(np.float64), normals.astype(np.float64), voxel)
+    site = find_site(cloud.xyz[thinned.first].astype(np.float64), normals.astype(np.float64), voxel)
+    return site if site.walled.all() else replace(site, ends=_ends(cloud.xyz, site))
 
 
 def find_site(points: Array, normals: Array, spacing: float) -> Site:
@@ -105,11 +97,15 @@ def find_site(points: Array, normals: Array, spacing: float) -> Site:
     points, normals = points[keep], normals[keep]
     steep = np.abs(normals[:, 2]) < STEEP
     yaw = _yaw(points, normals)
-    low, high, walled = _rectangle(turned(points[:, :2], yaw), turned(normals[:, :2], yaw), steep)
+    low, high, walled = _rectangle(
+        turned(points[:, :2], yaw), turned(normals[:, :2], yaw), np.abs(normals[:, 2]) < UPRIGHT, spacing
+    )
     weights = np.where(steep, 0.4, 1.0)
     top = points[_inside(turned(points[:, :2], yaw), low, high), 2]
     crown = float(np.quantile(top, 0.998)) if len(top) else float(points[:, 2].max())
-    return Site(points, normals, weights, yaw, low, high, walled, float(points[:, 2].min()), crown, spacing)
+    return Site(
+        points, normals, weights, yaw, low, high, walled, float(points[:, 2].min()), crown, spacing, np.empty((0, 3))
+    )
 
 
 def turned(xy: Array, yaw: float) -> Array:
@@ -145,7 +141,7 @@ def _yaw(points: Array, normals: Array) -> float:
     counts = np.bincount((angle[use] / (np.pi / 2) * bins).astype(int) % bins, weights=size[use] ** 2, minlength=bins)
     smooth = np.sum([np.roll(counts, k) * (3 - abs(k)) for k in range(-2, 3)], axis=0) / 9
     k = int(np.argmax(smooth))
-    if smooth[k] < 2.0 * np.median(smooth) or use.sum() < 100:
+    if smooth[k] < PEAK * np.median(smooth) or use.sum() < 100:
         return _least_rectangle(points[:, :2])
     centre = (k + 0.5) / bins * np.pi / 2
     off = np.mod(angle[use] - centre + np.pi / 4, np.pi / 2) - np.pi / 4
@@ -165,16 +161,22 @@ def _least_rectangle(xy: Array) -> float:
     return float(angles[int(np.argmin(areas))])
 
 
-def _rectangle(xy: Array, normals: Array, steep: NDArray[np.bool_]) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Outermost walls along both axes; where there is none, where the points end."""
-    low, high, walled = np.empty(2), np.empty(2), np.zeros((2, 2), bool)
+def _rectangle(
+    xy: Array, normals: Array, upright: NDArray[np.bool_], spacing: float
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Outermost walls along both axes; where there is none, where the points end.
+
+    A wall is upright and plane over so much of its side that no haunch can be taken for it.
+    """
+    low, high, walled = np.empty(2), np.empty(2), np.zeros((2, 2), np.bool_)
     for axis in range(2):
         ends = np.quantile(xy[:, axis], [0.002, 0.998])
-        wall: NDArray[np.bool_] = steep & (np.abs(normals[:, axis]) > 0.9)
+        wall = np.flatnonzero(upright & (np.abs(normals[:, axis]) > 0.9))
         edges = np.arange(ends[0] - 0.5, ends[1] + 0.5 + BIN, BIN)
         counts = np.histogram(xy[wall, axis], bins=edges)[0].astype(float)
         counts = counts + np.roll(counts, 1)  # a wall may straddle two bins
-        enough = max(0.25 * counts.max(initial=0.0), 30.0)
+        length = float(np.quantile(xy[:, 1 - axis], 0.998) - np.quantile(xy[:, 1 - axis], 0.002))
+        enough = max(0.25 * counts.max(initial=0.0), WALL * length / spacing**2)
         strong = np.flatnonzero(counts >= enough)
         middle = ends.mean()
         for side, corner in ((0, low), (1, high)):
@@ -182,7 +184,7 @@ def _rectangle(xy: Array, normals: Array, steep: NDArray[np.bool_]) -> tuple[Arr
             mine = [k for k in strong if (edges[k] < middle) == (side == 0)]
             if mine:
                 k = mine[0] if side == 0 else mine[-1]
-                near = wall & (np.abs(xy[:, axis] - edges[k]) < 2 * BIN)
+                near = wall[np.abs(xy[wall, axis] - edges[k]) < 2 * BIN]
                 corner[axis] = float(np.median(xy[near, axis]))
                 walled[axis, side] = True
     return low, high, walled
@@ -191,3 +193,27 @@ def _rectangle(xy: Array, normals: Array, steep: NDArray[np.bool_]) -> tuple[Arr
 def _inside(xy: Array, low: Array, high: Array) -> NDArray[np.bool_]:
     inside: NDArray[np.bool_] = ((xy > low) & (xy < high)).all(axis=1)
     return inside
+
+
+def _ends(xyz: NDArray[np.floating], site: Site) -> Array:
+    """Where the stone ends on the sides without a wall: of each strip across an edge one point (k, 3) [m].
+
+    The end of evenly spread points lies beyond the outermost by their mean distance, which the outermost few tell.
+    """
+    found = []
+    frame = turned(xyz[:, :2].astype(np.float64), site.yaw)
+    for axis, side in zip(*np.nonzero(~site.walled), strict=True):
+        sign, edge = (-1.0, site.low[axis]) if side == 0 else (1.0, site.high[axis])
+        depth = sign * (edge - frame[:, axis])
+        mine = (depth < RIM) & (depth > -RIM)
+        strip = np.floor((frame[mine, 1 - axis] - site.low[1 - axis]) / STRIP).astype(np.int64)
+        order = np.lexsort((depth[mine], strip))
+        strips, first, count = np.unique(strip[order], return_index=True, return_counts=True)
+        sorted_depth = depth[mine][order]
+        for k in np.flatnonzero(count >= FEW):
+            outer = sorted_depth[first[k] : first[k] + 4]
+            end = outer[0] - (outer[-1] - outer[0]) / 3
+            xy = np.empty(2)
+            xy[1 - axis], xy[axis] = site.low[1 - axis] + (strips[k] + 0.5) * STRIP, edge - sign * end
+            found.append([*turned(xy[None], -site.yaw)[0], site.bottom - 1.0])
+    return np.array(found).reshape(-1, 3)

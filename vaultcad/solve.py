@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 POSE = ("x", "y", "z", "yaw")
 STEP = 1e-6  # of finite differences; lengths are metres, ratios and angles of the same order
 MARGIN = 1e-9
+LONGEST = 0.5  # m, rad or 1: no step goes farther, however flat the cost
 
 
 @dataclass(frozen=True)
@@ -53,16 +54,23 @@ def robust_cost(residuals: Array, scale: float) -> Array:
 
 
 def solve(
-    start: Placed, points: Array, weights: Array, free: tuple[str, ...], scales: tuple[float, ...], *, most: int = 15
+    start: Placed,
+    points: Array,
+    weights: Array,
+    free: tuple[str, ...],
+    scales: tuple[float, ...],
+    *,
+    lowest: float = -np.inf,
+    most: int = 15,
 ) -> Solution:
-    """Fit pose and the `free` parameters to points (n, 3) with weights (n,).
+    """Fit pose and the `free` parameters to points (n, 3) with weights (n,), the springing not below `lowest` [m].
 
     Levenberg-Marquardt on iteratively reweighted residuals; the loss narrows through `scales` [m], from one that sees
     far outliers to one that does not (graduated non-convexity, Blake and Zisserman 1987). Steps are projected on the
     parameters' ranges; an unknown that leans on its bound rests there (Kanzow, Yamashita, Fukushima 2004).
     """
     names = (*POSE, *free)
-    low, high = _bounds(start.vault, free)
+    low, high = _bounds(start.vault, free, lowest)
     x = np.clip(_vector(start, free), low, high)
     placed, converged = _placed(start, free, x), False
     r = placed.distance(points)
@@ -102,7 +110,7 @@ def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool
     h = hessian[np.ix_(free, free)]
     diagonal = np.diag(h) + 1e-12 * max(float(np.diag(h).max(initial=0.0)), 1e-12)
     step[free] = -np.linalg.solve(h + np.diag(damping * diagonal + 1e-15), gradient[free])
-    return step
+    return np.clip(step, -LONGEST, LONGEST)
 
 
 def _jacobian(start: Placed, free: tuple[str, ...], x: Array, high: Array, points: Array, r: Array) -> Array:
@@ -126,8 +134,8 @@ def _placed(start: Placed, free: tuple[str, ...], x: Array) -> Placed:
     return Placed(vault, Pose(*x[:4].tolist()))
 
 
-def _bounds(vault: Vault, free: tuple[str, ...]) -> tuple[Array, Array]:
+def _bounds(vault: Vault, free: tuple[str, ...], lowest: float) -> tuple[Array, Array]:
     ranges = {p.name: p.range for p in vault.parameters()}
-    low = [-np.inf] * 4 + [ranges[name].low for name in free]
+    low = [-np.inf, -np.inf, lowest, -np.inf] + [ranges[name].low for name in free]
     high = [np.inf] * 4 + [ranges[name].high for name in free]
     return np.array(low), np.array(high)
