@@ -11,6 +11,7 @@ from typer.core import TyperCommand, TyperGroup
 from families import FAMILIES, PROFILES, Profile, Vault, family, profile
 from families.parameters import Parameter
 from vaultcad.cli.errors import InputError, refusing
+from vaultcad.cli.lengths import RATIOS, length_options, with_lengths
 from vaultcad.cli.options import Option, flag, number, read, single, span, with_options
 
 PANEL = "The vault"
@@ -48,7 +49,7 @@ def vault_options(cls: type[Vault]) -> list[Option]:
         else:
             p = own[name]
             options.append(number(p.name, p.range, values[p.name], integer=p.integer, panel=PANEL))
-    return options
+    return options + length_options(cls, PANEL)
 
 
 def vault_of(cls: type[Vault], declared: Mapping[str, Any]) -> Vault:
@@ -71,7 +72,11 @@ def vault_of(cls: type[Vault], declared: Mapping[str, Any]) -> Vault:
                 raise InputError(f"{flag(name)} {declared[name]}: no parameter of a {own} profile; add {flag(field)} with one of {having}")
             if name in declared:
                 values[name] = read(declared[name], name, limits[name])
-    return vault.replaced(values)
+    lengths = {name: declared[name] for name in RATIOS[cls.id] if name in declared}
+    for name, ratio in RATIOS[cls.id].items():
+        if name in lengths and ratio in declared:
+            raise InputError(f"{flag(name)} and {flag(ratio)} say the same; leave one out")
+    return with_lengths(vault.replaced(values), lengths) if lengths else vault.replaced(values)
 
 
 def _profile_fields(vault: Vault) -> list[str]:

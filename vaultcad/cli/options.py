@@ -71,10 +71,10 @@ def flag(name: str) -> str:
 
 
 def number(
-    name: str, limits: Limits, default: float | None, *, integer: bool = False, panel: str | None = None
+    name: str, limits: Limits, default: float | str, *, integer: bool = False, panel: str | None = None
 ) -> Option:
-    """The option of one declared number; angles are given in degrees. A default of None is left to the program."""
-    ending = "by the data if left out" if default is None else f"default {shown(default, limits.unit)}"
+    """The option of one declared number; angles are given in degrees. A default may be a text for the help."""
+    ending = default if isinstance(default, str) else f"default {shown(default, limits.unit)}"
     text = f"{limits.meaning}; {span(limits)}, {ending}"
     metavar = "N" if integer else METAVAR[limits.unit]
     return Option(name, float, text, metavar, panel, lambda text: read(text, name, limits, integer=integer))

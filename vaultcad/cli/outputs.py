@@ -24,8 +24,30 @@ def check_file(out: Path, suffixes: Iterable[str], *, inputs: Iterable[Path] = (
     for path in inputs:
         if out.exists() and path.exists() and out.samefile(path):
             raise InputError(f"{out}: is the file that is read; name another")
-    folder = out.parent
+    if not out.parent.exists():
+        raise InputError(f"{out}: there is no folder {out.parent}; make it first")
+    _check_writable(out, out.parent)
+
+
+def check_folder(out: Path, *, inputs: Iterable[Path] = ()) -> None:
+    """Whether a result can be put into that folder.
+
+    Raises:
+        ExportError: a file is in the way, or a folder with something else than an earlier result.
+        InputError: there is no place for it, or it would replace a file that is read.
+    """
+    from vaultcad.export.bundle import SEGMENTS, WRITERS, check_target
+
+    check_target(out)
+    for path in inputs:
+        if any((out / name).exists() and path.exists() and path.samefile(out / name) for name in (*WRITERS, SEGMENTS)):
+            raise InputError(f"{path}: would be replaced by the result; name another folder than {out}")
+    above = out if out.is_dir() else next(folder for folder in out.absolute().parents if folder.exists())
+    _check_writable(out, above)
+
+
+def _check_writable(out: Path, folder: Path) -> None:
     if not folder.is_dir():
-        raise InputError(f"{out}: there is no folder {folder}; make it first")
+        raise InputError(f"{out}: {folder} is no folder; name another")
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise InputError(f"{out}: the folder {folder} may not be written to; choose another")
+        raise InputError(f"{out}: the folder {folder} may not be written to; name another")

@@ -1,0 +1,79 @@
+"""`vaultcad fit`: from a scan to a model."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+from vaultcad.cli.errors import refusing
+from vaultcad.cli.options import Bounds, Seed, number_info, single
+from vaultcad.cli.outputs import check_folder
+from vaultcad.cli.status import status
+
+Thickness = Annotated[float, number_info("thickness", Bounds(0.01, 5, "m", "of the masonry, which no scan shows"))]
+
+
+def command() -> Any:
+    """The command for the program."""
+    return single(fit, "fit")
+
+
+def fit(
+    scan: Annotated[Path, typer.Argument(help="Scan in metres: E57, LAS, LAZ, PLY, PCD, XYZ, PTS, CSV.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the result; an earlier result is replaced.")],
+    family: Annotated[
+        str, typer.Option(metavar="NAME", help="auto, or what the vault is, in any language: see vaultcad families.")
+    ] = "auto",
+    up: Annotated[Literal["z", "y"], typer.Option(help="The axis that is up in the scan.")] = "z",
+    seed: Seed = 0,
+    thickness: Thickness = 0.15,
+    json: Annotated[bool, typer.Option("--json", help="Print report.json instead of the summary.")] = False,
+) -> None:
+    """Fit a vault to a scan of its room: STEP, IFC, GLB, labelled points, report.
+
+    Finds the vault, recognises its family, fits all parameters, labels every point, measures the deviation.
+    """
+    from vaultcad.cli.summary import show_summary
+
+    check_folder(out, inputs=[scan])
+    families = _families(family)
+
+    from segmentation.io import read, write_labelled
+
+    with status(("reading", "thinning", "recognising", "fitting", "labelling", "measuring", "writing")) as bar:
+        bar.stage("reading")
+        cloud = read(scan, up=up, progress=bar.share)
+
+        from vaultcad.export.bundle import write_all
+        from vaultcad.pipeline import Settings, fit_scan
+
+        result = fit_scan(cloud, Settings(families, seed, thickness), progress=bar.stage)
+        bar.stage("writing")
+        labels = result.labels
+        extra = {"component": labels.component, "vault": labels.vault, "deviation": labels.deviation}
+        write_all(
+            result.model,
+            out,
+            segments=lambda path: write_labelled(scan, path, cloud, extra),
+            points=result.points,
+            component=result.component,
+            deviation=result.deviation,
+            progress=lambda name: bar.stage("writing", name),
+        )
+    if json:
+        typer.echo((out / "report.json").read_text(encoding="utf-8").rstrip())
+    else:
+        show_summary(result.model, out)
+
+
+def _families(name: str) -> Any:
+    """The families to choose from."""
+    from families import FAMILIES
+    from families import family as named
+
+    if name == "auto":
+        return FAMILIES
+    with refusing():
+        return (named(name),)
