@@ -65,3 +65,14 @@ def make_model() -> Callable[..., Model]:
         return dataclasses.replace(made[name], **changes) if changes else made[name]
 
     return make
+
+
+@pytest.fixture(scope="session")
+def every_family(make_model) -> Model:
+    """One model with a vault of each family, in their order, spread out, in a national grid."""
+    vaults = tuple(
+        dataclasses.replace(make_model(name).vaults[0], pose=Pose(15.0 * k, -3.0, 2.5, radians(10 * k)))
+        for k, name in enumerate(IDS)
+    )
+    origin = np.array([512_000.0, 4_871_000.0, 210.0])
+    return make_model("groin", vaults=vaults, origin=origin, scan=Path("all of them.e57"))

@@ -19,7 +19,7 @@ from families import Vault
 from families.mesh import Mesh, mesh_solid
 from families.parts import Turned
 
-TOLERANCE = 0.002  # [m] between triangles and the exact surface
+TOLERANCE = 0.003  # [m] between triangles and the exact surface, below what scanners can tell
 BEYOND = 10.0  # [m] by which the prisms that cut reach past the masonry
 ON_EDGE = 1e-6  # [m]
 KEPT = 8  # vaults whose meshes are remembered

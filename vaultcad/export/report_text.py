@@ -54,9 +54,9 @@ p { margin: .3rem 0 .8rem; max-width: 48rem; }
 .soft, figcaption, .meaning { color: var(--soft); }
 .lead { font-size: 1.08rem; }
 .warning { border-left: 4px solid #c77; padding-left: .7rem; }
-.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(9rem, 1fr)); gap: .7rem; margin: 1.2rem 0; }
-.figures div { background: var(--card); border: 1px solid var(--line); border-radius: .5rem; padding: .6rem .8rem; }
-.figures b { display: block; white-space: nowrap; font-size: 1.2rem; font-weight: 600;
+.figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(10rem, 1fr)); gap: .6rem; margin: 1.2rem 0; }
+.figures div { background: var(--card); border: 1px solid var(--line); border-radius: .5rem; padding: .6rem .7rem; }
+.figures b { display: block; white-space: nowrap; font-size: 1.15rem; font-weight: 600;
   font-variant-numeric: tabular-nums; }
 .figures span { color: var(--soft); font-size: .85rem; }
 .drawings { display: flex; flex-wrap: wrap; gap: 1rem; align-items: flex-end; }
@@ -64,7 +64,7 @@ figure { margin: 0; background: var(--card); border: 1px solid var(--line); bord
 .drawings figure { flex: 1 1 0; min-width: 0; max-width: 34rem; }
 @media (max-width: 44rem) { .drawings { display: block; } .drawings figure { max-width: none; margin-bottom: 1rem; } }
 figcaption { font-size: .85rem; margin-top: .3rem; }
-svg { display: block; width: 100%; height: auto; max-height: 30rem; }
+svg { display: block; width: 100%; height: auto; max-height: 34rem; }
 .stone { fill-opacity: .78; stroke: var(--ink); stroke-width: .8; stroke-linejoin: round;
   vector-effect: non-scaling-stroke; }
 .cutting, .springing, .dimension { fill: none; stroke: var(--soft); stroke-width: 1;
@@ -74,7 +74,7 @@ svg { display: block; width: 100%; height: auto; max-height: 30rem; }
 .scan { stroke: var(--scan); stroke-width: 2; stroke-linecap: round; stroke-opacity: .6;
   vector-effect: non-scaling-stroke; }
 .drawing text { fill: var(--ink); dominant-baseline: middle; text-anchor: middle; }
-.drawing .plumb { text-anchor: start; } .drawing .letter { font-weight: 700; }
+.drawing .letter { font-weight: 700; }
 .chart text { font-size: 11px; fill: var(--soft); text-anchor: middle; } .chart rect { fill: var(--accent); }
 .chart path { stroke: var(--soft); stroke-width: 1; fill: none; }
 table { border-collapse: collapse; width: 100%; background: var(--card); border: 1px solid var(--line); }

@@ -57,10 +57,11 @@ class Drawing:
         if path := "".join(f"M{_xy(p)}h0" for p in inside):
             self._parts.append(f"<path class='scan' d='{path}'/>")
 
-    def text(self, at: Iterable[float], text: str, kind: str) -> None:
-        """A word, centred about a point."""
+    def text(self, at: Iterable[float], text: str, kind: str, *, turned: bool = False) -> None:
+        """A word, centred about a point; `turned` to be read from the right."""
         x, y = at
-        self._parts.append(f'<text class="{kind}" x="{UNIT * x:.1f}" y="{-UNIT * y:.1f}">{escape(text)}</text>')
+        place = f"translate({UNIT * x:.1f} {-UNIT * y:.1f})" + " rotate(-90)" * turned
+        self._parts.append(f'<text class="{kind}" transform="{place}">{escape(text)}</text>')
 
     def dimension(self, a: tuple[float, float], b: tuple[float, float]) -> None:
         """A line with its length [m], level or plumb."""
@@ -71,10 +72,9 @@ class Drawing:
         for end in (a, b):
             self.line(np.array(end) - tick, np.array(end) + tick, "dimension")
         # A third of the way, where no section's line passes.
-        share = 0.5 if plumb else 1 / 3
-        place = np.array([ax + share * (bx - ax), ay + share * (by - ay)])
-        place += self.margin * np.array([0.08, 0.0] if plumb else [0.0, -0.24])
-        self.text(place, f"{abs(bx - ax) + abs(by - ay):.2f}", "plumb" if plumb else "")
+        place = np.array([ax + (bx - ax) / 3, ay + (by - ay) / 3])
+        place += self.margin * np.array([0.22, 0.0] if plumb else [0.0, -0.22])
+        self.text(place, f"{abs(bx - ax) + abs(by - ay):.2f}", "size", turned=plumb)
 
 
 def _path(row: Floats) -> str:
