@@ -134,7 +134,8 @@ def _barrel(view: _View, reach: Cell) -> TopoDS_Shape:
     low = reach.low - part.base
     bows = half_outline(part.curve, view.near, min(part.curve.half_span, view.far), low - part.crown_rise)
     if part.crown_rise:
-        return domical(part, view.sign, bows, view.near, reach.low, (start, end))
+        drop = min(0.0, part.lift(start), part.lift(end))  # beyond the vault its axis falls below the springing
+        return domical(part, view.sign, bows, view.near, reach.low + drop, (start, end))
     outline: list[Point | Bow] = [(view.near, low), (bows[0].at(bows[0].start)[0], low), *bows]
     if view.near > TOUCH:
         outline.append((view.near, bows[-1].at(bows[-1].end)[1]))
