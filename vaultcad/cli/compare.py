@@ -27,7 +27,7 @@ def compare(
 
     Components are matched one to one so that the sum of IoU is largest; their numbers need not agree.
     """
-    from segmentation.compare import compare as judge
+    from segmentation.comparison import compare as judge
     from segmentation.io.labels import read_labels
 
     found, true = read_labels(labels), read_labels(truth)

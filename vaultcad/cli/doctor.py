@@ -27,7 +27,10 @@ def doctor() -> int:
         findings = examine()
     show_table(
         ("", "version", "state", ""),
-        ((f.name, f.version, f.state + (" (optional)" if f.optional and f.state != "ok" else ""), f.detail) for f in findings),
+        (
+            (f.name, f.version, f.state + (" (optional)" if f.optional and f.state != "ok" else ""), f.detail)
+            for f in findings
+        ),
     )
     for finding in findings:
         if finding.remedy:

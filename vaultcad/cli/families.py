@@ -25,7 +25,10 @@ def families(
     import families as ideal
 
     if family is None:
-        rows = ((c.id, c.title, ", ".join(names[0] for names in c.aliases.values()), str(len(c().components))) for c in ideal.FAMILIES)
+        rows = (
+            (c.id, c.title, ", ".join(names[0] for names in c.aliases.values()), str(len(c().components)))
+            for c in ideal.FAMILIES
+        )
         show_table(("id", "vault", "names", "components"), rows, numbers=[3])
         _show_profiles()
         typer.echo("Parameters of a family: vaultcad families ID")

@@ -69,7 +69,10 @@ def vault_of(cls: type[Vault], declared: Mapping[str, Any]) -> Vault:
         for name, of in _profile_parameters(field).items():
             if name in declared and name not in limits:
                 own, having = getattr(vault, field).id, ", ".join(of)
-                raise InputError(f"{flag(name)} {declared[name]}: no parameter of a {own} profile; add {flag(field)} with one of {having}")
+                raise InputError(
+                    f"{flag(name)} {declared[name]}: a {own} profile has no such parameter; "
+                    f"add {flag(field)} with one of {having}"
+                )
             if name in declared:
                 values[name] = read(declared[name], name, limits[name])
     lengths = {name: declared[name] for name in RATIOS[cls.id] if name in declared}

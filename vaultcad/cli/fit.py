@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 from vaultcad.cli.errors import refusing
 from vaultcad.cli.options import Bounds, Seed, number_info, single
@@ -52,7 +55,11 @@ def fit(
         result = fit_scan(cloud, Settings(families, seed, thickness), progress=bar.stage)
         bar.stage("writing")
         labels = result.labels
-        extra = {"component": labels.component, "vault": labels.vault, "deviation": labels.deviation}
+        extra: dict[str, NDArray[Any]] = {
+            "component": labels.component,
+            "vault": labels.vault,
+            "deviation": labels.deviation,
+        }
         write_all(
             result.model,
             out,

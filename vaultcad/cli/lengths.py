@@ -60,7 +60,9 @@ def with_lengths(vault: Vault, lengths: Mapping[str, float]) -> Vault:
         wanted, limits = lengths[name], {p.name: p.range for p in vault.parameters()}
         if ratio not in limits:
             fixed = vault.derived_values()[name]
-            raise InputError(f"{flag(name)} {wanted:g}: its profile makes it {fixed:g} m; choose one that has a rise ratio")
+            raise InputError(
+                f"{flag(name)} {wanted:g}: its profile makes it {fixed:g} m; choose one that has a rise ratio"
+            )
 
         def miss(value: float, vault: Vault = vault, name: str = name, ratio: str = ratio) -> float:
             return vault.replaced({ratio: value}).derived_values()[name] - lengths[name]

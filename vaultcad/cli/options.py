@@ -21,13 +21,20 @@ class Limits(Protocol):
     """A declared range: of `families`, of `segmentation`, or of here."""
 
     @property
-    def low(self) -> float: ...
+    def low(self) -> float:
+        """Least value."""
+
     @property
-    def high(self) -> float: ...
+    def high(self) -> float:
+        """Greatest value; infinite where there is none."""
+
     @property
-    def unit(self) -> str: ...
+    def unit(self) -> str:
+        """One of "m", "rad", "1"."""
+
     @property
-    def meaning(self) -> str: ...
+    def meaning(self) -> str:
+        """What the number says."""
 
 
 class Bounds(NamedTuple):
@@ -54,6 +61,7 @@ class Option:
         """As a keyword of a signature that typer reads; None where it is not given."""
         flags = f"{flag(self.name)}/--no-{flag(self.name)[2:]}" if self.kind is bool else flag(self.name)
         info = typer.Option(
+            None,
             flags,
             help=self.help,
             metavar=self.metavar,
@@ -61,8 +69,7 @@ class Option:
             parser=self.parser,
             show_default=False,
         )
-        annotation = Annotated[self.kind | None, info]
-        return inspect.Parameter(self.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
+        return inspect.Parameter(self.name, inspect.Parameter.KEYWORD_ONLY, default=info, annotation=self.kind | None)
 
 
 def flag(name: str) -> str:

@@ -74,12 +74,21 @@ def segment(
         else:
             write(out, cloud, extra)
     rows = [
-        (str(s.id), s.primitive.name, _sizes(s.primitive), f"{s.count:,}", f"{s.count / len(cloud):.1%}", f"{1000 * s.rms:.1f}")
+        (
+            str(s.id),
+            s.primitive.name,
+            _sizes(s.primitive),
+            f"{s.count:,}",
+            f"{s.count / len(cloud):.1%}",
+            f"{1000 * s.rms:.1f}",
+        )
         for s in found.shapes
     ]
     show_table(("id", "primitive", "size", "points", "share", "rms, mm"), rows, numbers=[0, 3, 4, 5])
     rest = int((found.labels == 0).sum())
-    typer.echo(f"{len(found)} components, {rest:,} of {len(cloud):,} points in none, epsilon {found.epsilon:.4f} m: {out}")
+    typer.echo(
+        f"{len(found)} components, {rest:,} of {len(cloud):,} points in none, epsilon {found.epsilon:.4f} m: {out}"
+    )
 
 
 def settings_of(preset: str | None, declared: Mapping[str, Any]) -> Settings:

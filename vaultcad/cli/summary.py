@@ -32,7 +32,10 @@ def _rows(fitted: FittedVault) -> Iterator[tuple[str, str]]:
     if fitted.as_built is not None:
         yield "as built", f"rms {1000 * fitted.as_built.rms:.1f} mm from the smooth surface through the points"
     points = sum(c.points for c in fitted.components)
-    yield "coverage", f"{fitted.coverage:.0%} of the intrados seen, in {points:,} points of {len(fitted.components)} components"
+    yield (
+        "coverage",
+        f"{fitted.coverage:.0%} of the intrados seen, in {points:,} points of {len(fitted.components)} components",
+    )
     if not fitted.converged:
         yield "note", "the fit did not settle; look at the report before you use it"
 

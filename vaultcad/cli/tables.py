@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 
-def show_table(head: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = "", numbers: Sequence[int] = ()) -> None:
+def show_table(
+    head: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = "", numbers: Sequence[int] = ()
+) -> None:
     """A table of texts; the columns in `numbers` are set to the right. Long texts are wrapped, never cut."""
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
