@@ -8,17 +8,31 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from segmentation.cloud import Cloud as Cloud
+    from segmentation.comparison import Comparison as Comparison
+    from segmentation.comparison import compare as compare
     from segmentation.errors import ReadError as ReadError
     from segmentation.io import read as read
     from segmentation.io import write_cloud as write_cloud
     from segmentation.io import write_labelled as write_labelled
+    from segmentation.presets import PRESETS as PRESETS
+    from segmentation.ransac import Segment as Segment
+    from segmentation.ransac import Segments as Segments
+    from segmentation.ransac import detect as detect
+    from segmentation.settings import Settings as Settings
 
 _EXPORTS = {
     "Cloud": "segmentation.cloud",
+    "Comparison": "segmentation.comparison",
+    "compare": "segmentation.comparison",
     "ReadError": "segmentation.errors",
     "read": "segmentation.io",
     "write_cloud": "segmentation.io",
     "write_labelled": "segmentation.io",
+    "PRESETS": "segmentation.presets",
+    "Segment": "segmentation.ransac",
+    "Segments": "segmentation.ransac",
+    "detect": "segmentation.ransac",
+    "Settings": "segmentation.settings",
 }
 __all__ = list(_EXPORTS)
 

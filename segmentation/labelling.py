@@ -89,10 +89,11 @@ def _sides(cloud: WorkingCloud, labels: Ints, shapes: Shapes) -> Floats:
 def label_points(
     xyz: NDArray[np.floating], cloud: WorkingCloud, shapes: Shapes, found: Regions, components: Ints
 ) -> tuple[NDArray[np.uint16], Ints, Floats]:
-    """Labels (n,) of points (n, 3) [m], and of each component the points and the sum of squared distances [m²], (c + 1,).
+    """Labels (n,) of points (n, 3) [m], and of each component the points and the sum of squared distances [m²], (c +
+    1,).
 
-    A point goes to the component whose primitive is nearest, of those in its cell and the cells around, within epsilon; where two
-    primitives bound each other, to the one it belongs to by side, on which noise has no influence.
+    A point goes to the component whose primitive is nearest, of those in its cell and the cells around, within epsilon;
+    where two primitives bound each other, to the one it belongs to by side, on which noise has no influence.
     """
     lattice = np.floor(cloud.raw / cloud.size).astype(np.int64)
     low = lattice.min(axis=0)
@@ -108,8 +109,9 @@ def label_points(
         count, square = np.zeros(width, dtype=np.int64), np.zeros(width)
         stop = min(start + CHUNK, len(xyz))
         _label(
-            xyz[start:stop], labels[start:stop], cloud.size, low, keys, table, found.candidates, found.owner, found.side,
-            shapes.kinds, shapes.rows, cloud.epsilon, ends, cloud.head, cloud.raw, components, count, square,
+            xyz[start:stop], labels[start:stop], cloud.size, low, keys, table,
+            found.candidates, found.owner, found.side, shapes.kinds, shapes.rows, cloud.epsilon,
+            ends, cloud.head, cloud.raw, components, count, square,
         )  # fmt: skip
         return count, square
 
@@ -120,7 +122,7 @@ def label_points(
 
 
 @njit(cache=True, nogil=True)
-def _slot(table: NDArray[np.int32], keys: Ints, key: int) -> int:
+def _slot(table: NDArray[np.int32], keys: Ints, key: np.int64) -> np.int64:
     """Where the key stands in the open-addressed table, or would."""
     mask = len(table) - 1
     slot = np.int64((np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(32)) & mask
@@ -155,6 +157,8 @@ def _label(
         if key != last:
             cell = np.int64(table[_slot(table, keys, key)])
             last = key
+        if cell < 0:
+            continue
         best, best_distance, shared = 0, 0.0, False
         for c in range(CANDIDATES):
             candidate = candidates[cell, c]

@@ -38,10 +38,12 @@ class Primitive:
 
     @classmethod
     def from_sample(cls, xyz: ArrayLike, normals: ArrayLike) -> Self | None:
-        """Primitive through a minimal set of points (k, 3) [m] with unit normals (k, 3) of any sign; None if degenerate.
+        """Primitive through a minimal set of points (k, 3) [m] with unit normals (k, 3) of any sign; None if
+        degenerate.
 
         Raises:
-            ValueError: the set has another number of points than the kind asks for. Source: Schnabel et al. 2007, section 4.1.
+            ValueError: the set has another number of points than the kind asks for. Source: Schnabel et al. 2007,
+                section 4.1.
         """
         points, directions = _points(xyz), _points(normals)
         size = MINIMAL_SETS[cls.kind].size
@@ -59,9 +61,11 @@ class Primitive:
         return _gradients(self, _points(xyz))[1]
 
     def fit(self, xyz: ArrayLike, weights: ArrayLike | None = None, size: tuple[float, float] = ANY_SIZE) -> Self:
-        """Least squares from here: the primitive with the smallest weighted sum of squared distances to points (n, 3) [m].
+        """Least squares from here: the primitive with the smallest weighted sum of squared distances to points (n, 3)
+        [m].
 
-        `size` bounds the radius (cone: half angle [rad]; torus: major radius), both ends included; it holds for the result.
+        `size` bounds the radius (cone: half angle [rad]; torus: major radius), both ends included; it holds for the
+        result.
 
         Raises:
             ValueError: weights are not (n,), or a size interval is empty.
@@ -72,7 +76,9 @@ class Primitive:
             raise ValueError(f"weights have shape {weight.shape}, the points ask for ({len(points)},)")
         if not size[0] <= size[1]:
             raise ValueError(f"size interval [{size[0]:g}, {size[1]:g}] is empty")
-        fitted = least_squares(np.array([self.kind]), self.row[None], points, weight[None], np.array([size]), iterations=100)
+        fitted = least_squares(
+            np.array([self.kind]), self.row[None], points, weight[None], np.array([size]), iterations=100
+        )
         return type(self).from_row(fitted[0])
 
 

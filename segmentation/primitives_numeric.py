@@ -10,8 +10,8 @@ A primitive is an integer kind and a row of 8 floats: point (3), unit direction 
 | CONE | apex | axis, into the nappe | half angle [rad] | |
 | TORUS | centre | axis | major radius [m] | minor radius [m] |
 
-Distances are positive outside (on the side of a plane's normal). Every loop is written out in scalars: numba's array expressions
-would cost ten times the compilation.
+Distances are positive outside (on the side of a plane's normal). Every loop is written out in scalars: numba's array
+expressions would cost ten times the compilation.
 """
 
 import math
@@ -33,25 +33,28 @@ def signed(kind: int, row: Floats, x: float, y: float, z: float) -> float:
     y -= row[1]
     z -= row[2]
     if kind == PLANE:
-        return x * row[3] + y * row[4] + z * row[5]
+        return float(x * row[3] + y * row[4] + z * row[5])
     square = x * x + y * y + z * z
+    first, second = float(row[6]), float(row[7])
     if kind == SPHERE:
-        return math.sqrt(square) - row[6]
+        return math.sqrt(square) - first
     height = x * row[3] + y * row[4] + z * row[5]
     radial = math.sqrt(max(square - height * height, 0.0))
     if kind == CYLINDER:
-        return radial - row[6]
+        return radial - first
     if kind == CONE:
-        c, s = math.cos(row[6]), math.sin(row[6])
+        c, s = math.cos(first), math.sin(first)
         if height * c + radial * s < 0.0:
             return math.sqrt(square)
-        return radial * c - height * s
-    return math.hypot(radial - row[6], height) - row[7]
+        return radial * c - float(height) * s
+    return math.hypot(radial - first, height) - second
 
 
 @njit(cache=True, nogil=True)
 def gradient(kind: int, row: Floats, x: float, y: float, z: float) -> tuple[float, float, float, float]:
-    """Signed distance [m] of one point and the unit normal there; the normal is zero where there is none (a centre, an axis)."""
+    """Signed distance [m] of one point and the unit normal there; the normal is zero where there is none (a centre, an
+    axis).
+    """
     a, b, c = row[3], row[4], row[5]
     x -= row[0]
     y -= row[1]

@@ -1,8 +1,8 @@
 """Minimal sets: the primitives through a few points with normals, many sets at a time.
 
-Each function takes points and unit normals (s, k, 3) of s sets and gives rows (s, 8) as in `primitives_numeric` and a mask (s,)
-of the sets that are not degenerate. No sign of a normal matters.
-Source: Schnabel, Wahl and Klein 2007, "Efficient RANSAC for Point-Cloud Shape Detection", section 4.1.
+Each function takes points and unit normals (s, k, 3) of s sets and gives rows (s, 8) as in `primitives_numeric` and a
+mask (s,) of the sets that are not degenerate. No sign of a normal matters. Source: Schnabel, Wahl and Klein 2007,
+"Efficient RANSAC for Point-Cloud Shape Detection", section 4.1.
 """
 
 from collections.abc import Callable
@@ -99,7 +99,9 @@ def _cone(p: Floats, n: Floats) -> Rows:
 
 
 def _torus(p: Floats, n: Floats) -> Rows:
-    """The axis meets all normal lines: the points of line 0 from which one straight line meets lines 1, 2 and 3 solve a quadratic."""
+    """The axis meets all normal lines: the points of line 0 from which one straight line meets lines 1, 2 and 3 solve a
+    quadratic.
+    """
     step = _length(p[:, 1] - p[:, 0])[:, None] * n[:, 0]
 
     def transversal(s: Floats) -> tuple[Floats, Floats, Floats]:
@@ -120,7 +122,9 @@ def _torus(p: Floats, n: Floats) -> Rows:
 
 
 def _torus_about(p: Floats, origin: Floats, axis: Floats) -> tuple[Floats, Floats]:
-    """Tori with known axes by the circle in the meridian half plane; errors (s,) [m] at the fourth points, inf where there is none."""
+    """Tori with known axes by the circle in the meridian half plane; errors (s,) [m] at the fourth points, inf where
+    there is none.
+    """
     length = _length(axis)
     whole = length > 0.0
     axis = axis / np.where(whole, length, 1.0)[:, None]

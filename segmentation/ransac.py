@@ -1,4 +1,6 @@
-"""RANSAC shape detection: planes, spheres, cylinders, cones and tori in a point cloud, and the component of every point."""
+"""RANSAC shape detection: planes, spheres, cylinders, cones and tori in a point cloud, and the component of every
+point.
+"""
 
 from __future__ import annotations
 
@@ -22,14 +24,17 @@ Ints = NDArray[np.int64]
 Progress = Callable[[str, int], None]
 
 ROUNDS = 60
+LEAST_CELLS = 20.0  # what a primitive has to explain in any case
 NOISE_BAND = 6.0  # standard deviations
 SWEEPS = 30  # cells that a label may run along an edge
-PRICE = 0.5  # of a primitive in the choice, in minimum supports: what counts fully, within epsilon / 2, may be half of its points
+PRICE = 0.5  # of a primitive in the choice, in minimum supports: half of its points may lie near epsilon
 
 
 @dataclass(frozen=True)
 class Segment:
-    """One component: its primitive (components may share one), its label `id`, points, rms distance [m] to the primitive."""
+    """One component: its primitive (components may share one), its label `id`, points, rms distance [m] to the
+    primitive.
+    """
 
     id: int
     primitive: Primitive
@@ -39,7 +44,9 @@ class Segment:
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """What was found: segments with ids 1, 2, …, and the labels (n,) of all points, 0 for none. epsilon [m] is the one used."""
+    """What was found: segments with ids 1, 2, …, and the labels (n,) of all points, 0 for none. epsilon [m] is the one
+    used.
+    """
 
     shapes: tuple[Segment, ...]
     labels: NDArray[np.uint16]
@@ -56,9 +63,11 @@ def detect(
     rng: np.random.Generator | None = None,
     progress: Progress | None = None,
 ) -> Segments:
-    """Segment points (n, 3) [m] into components of primitives; unit normals (n, 3) of any sign are estimated where not given.
+    """Segment points (n, 3) [m] into components of primitives; unit normals (n, 3) of any sign are estimated where not
+    given.
 
-    Points that are not finite get label 0. `progress(stage, shapes)` is told each stage and the primitives found so far.
+    Points that are not finite get label 0. `progress(stage, shapes)` is told each stage and the primitives found so
+    far.
 
     Raises:
         ValueError: xyz is not (n, 3), or normals have another shape. Source: Schnabel, Wahl and Klein 2007.
@@ -94,11 +103,15 @@ def detect(
 
 
 def _find(cloud: WorkingCloud, settings: Settings, rng: np.random.Generator, tell: Progress) -> Shapes:
-    """Rounds of search among what is unexplained, each kept if it lowers the global criterion after joint refinement and choice."""
-    shapes, price = Shapes(*EMPTY), PRICE * cloud.min_points * len(cloud) / int(cloud.count.sum())
+    """Rounds of search among what is unexplained, each kept if it lowers the global criterion after joint refinement
+    and choice.
+    """
+    shapes, price = Shapes(*EMPTY), max(PRICE * cloud.min_points * len(cloud) / int(cloud.count.sum()), LEAST_CELLS)
     active, draws = np.arange(len(cloud)), 0
     for _ in range(ROUNDS):
-        if len(active) < max(price, 4.0) or draws > draws_needed(2.0 * price / len(active), settings.overlooking_probability):
+        if len(active) < max(price, 4.0) or draws > draws_needed(
+            2.0 * price / len(active), settings.overlooking_probability
+        ):
             break
         draws += DRAWS
         new = search_round(cloud, active, cloud.epsilon, price, settings, rng)
@@ -110,11 +123,14 @@ def _find(cloud: WorkingCloud, settings: Settings, rng: np.random.Generator, tel
         if len(left) + price * len(trial) < len(active) + price * len(shapes):
             shapes, active, draws = trial, left, 0
             tell("search", len(shapes))
-    return shapes
+    shapes, _ = refine_jointly(shapes, cloud.mean, cloud.normal, cloud.epsilon, settings)
+    return select(shapes, cloud, cloud.epsilon, price, settings)
 
 
 def _unexplained(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> Ints:
-    """Cells that no primitive explains, and that are no edge of one: there, neither the mean nor an estimated normal is on a surface."""
+    """Cells that no primitive explains, and that are no edge of one: there, neither the mean nor an estimated normal is
+    on a surface.
+    """
     if len(shapes) == 0:
         return np.arange(len(cloud))
     price = cost(shapes, cloud.mean, cloud.normal, cloud.epsilon, math.cos(settings.alpha))
@@ -146,9 +162,11 @@ def _sharpened(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> tuple
 
 
 def _settled(shapes: Shapes, labels: Ints, cloud: WorkingCloud, margin: float) -> Ints:
-    """Labels after cells went over to a neighbour's primitive that is nearer by `margin`, or to any within epsilon if they had none.
+    """Labels after cells went over to a neighbour's primitive that is nearer by `margin`, or to any within epsilon if
+    they had none.
 
-    Along edges, and in the slivers between them, estimated normals are of no surface: there only distance and neighbours count.
+    Along edges, and in the slivers between them, estimated normals are of no surface: there only distance and
+    neighbours count.
     """
     gap = np.abs(measure(shapes, cloud.raw, cloud.normal)[0])
     gap[gap > cloud.epsilon] = math.inf

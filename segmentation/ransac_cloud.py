@@ -1,4 +1,4 @@
-"""The working cloud of RANSAC: one cell of a grid, one point. Some tens of thousands of points stand for the whole scan."""
+"""The working cloud of RANSAC: one cell of a grid, one point; some tens of thousands stand for the whole scan."""
 
 from __future__ import annotations
 
@@ -17,17 +17,19 @@ Ints = NDArray[np.int64]
 TARGET = 24_000  # cells aimed at: small parts keep hundreds of points, and a pass over all takes a millisecond
 PROBE = 40_000  # points that the first look at the cloud takes
 NORMAL_NEIGHBOURS = 12
+NEIGHBOURS = 3  # cells of a surface touch so many others at least, or one that does; strays and lines do not
+SPARSE = 0.1  # cells with less than this share of the usual number of points say nothing about the size of the cloud
 MISFIT = 1 / 400  # masonry departs from its ideal by this share of its size; epsilon allows that
 STEPS = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1], indexing="ij"), axis=-1).reshape(-1, 3)
 
 
 @dataclass(frozen=True, eq=False)
 class WorkingCloud:
-    """Cells in Morton order, so that a cell of an octree is a run of them.
+    """Cells of surfaces, in Morton order, so that a cell of an octree is a run of them.
 
-    mean: (m, 3) means [m], sagitta and noise averaged. raw: (m, 3) one true point of each. normal: (m, 3) unit, NaN where unknown.
-    count: (m,) points. cell: (m, 3) grid coordinates. code: (m,) Morton codes, ascending. size: edge of a cell [m].
-    tail, head: (e,) edges of the graph of touching cells, both directions, ascending by tail.
+    mean: (m, 3) means [m], sagitta and noise averaged. raw: (m, 3) one true point of each. normal: (m, 3) unit, NaN
+    where unknown. count: (m,) points. cell: (m, 3) grid coordinates. code: (m,) Morton codes, ascending. size: edge of
+    a cell [m]. tail, head: (e,) edges of the graph of touching cells, both directions, ascending by tail.
     """
 
     mean: Floats
@@ -46,8 +48,10 @@ class WorkingCloud:
         return len(self.mean)
 
 
-def working_cloud(xyz: Floats, normals: Floats | None, settings: Settings) -> WorkingCloud | None:
-    """Thin the cloud (n, 3) [m] to about `TARGET` cells and join what touches; None if fewer than four cells are occupied."""
+def working_cloud(
+    xyz: NDArray[np.floating], normals: NDArray[np.floating] | None, settings: Settings
+) -> WorkingCloud | None:
+    """Thin the cloud (n, 3) [m] to about `TARGET` cells and join what touches; None if none is a surface's."""
     probe = np.asarray(xyz[:: max(1, len(xyz) // PROBE)], dtype=np.float64)
     probe = probe[np.isfinite(probe).all(axis=1)]
     if len(probe) < 4:
@@ -61,10 +65,16 @@ def working_cloud(xyz: Floats, normals: Floats | None, settings: Settings) -> Wo
     cell -= cell.min(axis=0)
     code = _morton(cell)
     order = np.argsort(code, kind="stable")
-    mean, raw, cell, code, count = (
-        a[order] for a in (np.asarray(thinned.xyz, dtype=np.float64), raw, cell, code, thinned.count)
-    )
-    tail, head = touching(cell)
+    tail, head = touching(cell[order])
+    firm = np.bincount(tail, minlength=len(order)) >= NEIGHBOURS
+    if firm.sum() < 4:
+        return None
+    firm[tail[firm[head]]] = True
+    order, number = order[firm], np.cumsum(firm) - 1
+    joined = firm[tail] & firm[head]
+    tail, head = number[tail[joined]], number[head[joined]]
+    mean, raw = np.asarray(thinned.xyz[order], dtype=np.float64), raw[order]
+    cell, code, count = cell[order], code[order], thinned.count[order]
     normal = _normals(mean, None if normals is None else normals[thinned.first[order]])
     epsilon = settings.epsilon or max(MISFIT * extent, 1e-6)
     return WorkingCloud(
@@ -75,17 +85,23 @@ def working_cloud(xyz: Floats, normals: Floats | None, settings: Settings) -> Wo
 def _cell_size(probe: Floats, points: int, settings: Settings) -> tuple[float, float]:
     """Edge of a cell [m] and extent of the cloud [m], outliers aside."""
     low, high = np.percentile(probe, (0.5, 99.5), axis=0)
-    extent = float(np.linalg.norm(high - low)) or 1.0
-    coarse = extent / 50.0
+    coarse = (float(np.linalg.norm(high - low)) or 1.0) / 50.0
     inside = probe[((probe >= low - coarse) & (probe <= high + coarse)).all(axis=1)]
-    cells = len(np.unique(np.floor((inside - low) / coarse).astype(np.int64) @ np.array([1, 1 << 10, 1 << 20])))
-    area = cells * coarse**2 / 1.5  # a slanting surface meets about 1.5 cells a square
+    _, cell, count = np.unique(
+        np.floor((inside - low) / coarse + 1.0).astype(np.int64) @ np.array([1, 1 << 10, 1 << 20]),
+        return_inverse=True,
+        return_counts=True,
+    )
+    dense = count >= SPARSE * np.median(count[cell])  # half of the points lie in cells with more
+    span = np.ptp(inside[dense[cell]], axis=0)
+    extent = float(np.linalg.norm(span)) or 1.0
+    area = int(dense.sum()) * coarse**2 / 1.5  # a slanting surface meets about 1.5 cells a square
     spacing = math.sqrt(area / points)
     wanted = settings.beta / 2.0 if settings.beta else math.sqrt(1.5 * area / TARGET)
     return max(wanted, 2.0 * spacing, extent * 1e-4), extent
 
 
-def _normals(mean: Floats, given: Floats | None) -> Floats:
+def _normals(mean: Floats, given: NDArray[np.floating] | None) -> Floats:
     """Unit normals of the cells, the given ones or estimated; NaN where unknown."""
     if given is None:
         from segmentation.normals import estimate

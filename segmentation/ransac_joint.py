@@ -1,7 +1,8 @@
 """Joint refinement: all primitives compete for every point, are fitted again, and so on until no label changes.
 
-The choice of primitives is by one global criterion, the points left unexplained plus a price for each primitive: primitives that are
-not worth their price go, two that one can replace merge. Source: Isack and Boykov 2012, "Energy-Based Geometric Multi-model Fitting".
+The choice of primitives is by one global criterion, the points left unexplained plus a price for each primitive:
+primitives that are not worth their price go, two that one can replace merge. Source: Isack and Boykov 2012,
+"Energy-Based Geometric Multi-model Fitting".
 """
 
 import math
@@ -9,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from segmentation.primitives_numeric import PLANE
 from segmentation.primitives_sample import MINIMAL_SETS
 from segmentation.ransac_cloud import WorkingCloud
 from segmentation.ransac_search import EMPTY, Floats, Ints, Shapes, measure, polish, sizes_of, spread, support, through
@@ -20,11 +22,14 @@ NORMAL_PRICE = 0.25  # what a deviation of alpha costs beside a distance of epsi
 FIT_POINTS = 8000  # points that decide the primitives; the labels are for all
 CHOICE_POINTS = 6000
 SIMPLER = 0.02  # share of what a primitive explains that one with fewer parameters may leave
+NEAR = 10.0  # bands that two primitives may differ by, on average over one's points, to be worth merging
 TRIALS = 64  # minimal sets that look for a simpler primitive
 
 
 def cost(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, cos_alpha: float) -> Floats:
-    """Price (k, n) of giving each point to each primitive: squared distance over epsilon plus the normals' deviation; inf outside."""
+    """Price (k, n) of giving each point to each primitive: squared distance over epsilon plus the normals' deviation;
+    inf outside.
+    """
     distance, cosine = measure(shapes, xyz, normals)
     price = (distance / epsilon) ** 2 + NORMAL_PRICE * np.maximum(1.0 - cosine, 0.0) / (1.0 - cos_alpha)
     return np.where((np.abs(distance) <= epsilon) & (cosine >= cos_alpha), price, math.inf)
@@ -67,7 +72,7 @@ def _fit_to_won(shapes: Shapes, xyz: Floats, labels: Ints, price: Floats, sizes:
 
 
 def select(shapes: Shapes, cloud: WorkingCloud, epsilon: float, price: float, settings: Settings) -> Shapes:
-    """Drop, simplify and merge primitives while that lowers the cells left unexplained plus `price` for each primitive."""
+    """Drop, simplify and merge while that lowers the cells left unexplained plus `price` for each primitive."""
     some = spread(len(cloud), CHOICE_POINTS)
     choice = _Choice(cloud.mean[some], cloud.normal[some], epsilon, price * len(some) / len(cloud), settings)
     while True:
@@ -102,36 +107,53 @@ class _Choice:
         return shapes.take(np.arange(len(shapes)) != worst) if loss[worst] < self.price else None
 
     def simplified(self, shapes: Shapes) -> Shapes | None:
-        """With a primitive of fewer parameters in place of the first that it explains about as well: no giant sphere for a floor."""
+        """With a primitive of fewer parameters in place of the first that it explains about as well.
+
+        So a floor is no giant sphere. Where planes are off, what is as well a plane is nothing.
+        """
         share = self.share(shapes)
         for i in range(len(shapes)):
             rest = np.delete(share, i, axis=0).max(axis=0, initial=0.0)
             theirs = np.flatnonzero((share[i] > 0.0) & (share[i] >= rest) & np.isfinite(self.normals).all(axis=1))
-            loss = SIMPLER * max((share[i] - rest).clip(0.0).sum(), self.price)
-            for kind in (k for k in self.settings.kinds if k < shapes.kinds[i]):
+            before = np.maximum(rest, share[i])[theirs].sum()
+            loss = SIMPLER * max(before - rest[theirs].sum(), self.price)
+            for kind in (k for k in range(shapes.kinds[i]) if k in self.settings.kinds or k == PLANE):
                 simple = self._drawn(kind, theirs)
-                after = np.maximum(rest, self.share(simple)).sum(axis=1)
-                if len(simple) and after.max() > np.maximum(rest, share[i]).sum() - loss:
+                share_simple = support(
+                    simple, self.xyz[theirs], self.normals[theirs], self.epsilon, math.cos(self.settings.alpha)
+                )
+                after = np.maximum(rest[theirs], share_simple).sum(axis=1)
+                if len(simple) and after.max() > before - loss:
                     others = shapes.take(np.arange(len(shapes)) != i)
-                    return others.joined(simple.take(np.array([int(np.argmax(after))])))
+                    return (
+                        others.joined(simple.take(np.array([int(np.argmax(after))])))
+                        if kind in self.settings.kinds
+                        else others
+                    )
         return None
 
     def merged(self, shapes: Shapes) -> Shapes | None:
         """With one primitive in place of the first two of a kind that explain as much but for its price."""
         share = self.share(shapes)
-        for i in range(len(shapes)):
-            for j in np.flatnonzero(shapes.kinds == shapes.kinds[i]):
-                if j <= i:
-                    continue
-                rest, pair = np.delete(share, [i, j], axis=0).max(axis=0, initial=0.0), share[[i, j]].max(axis=0)
-                theirs = np.flatnonzero((pair > 0.0) & (pair >= rest))
-                joint = shapes.take(np.array([i, j]))
-                for band in (3.0 * self.epsilon, self.epsilon):
-                    joint = polish(joint, self.xyz[theirs], self.normals[theirs], band, self.settings)
-                after = np.maximum(rest, self.share(joint)).sum(axis=1)
-                if after.max() > np.maximum(rest, pair).sum() - self.price:
-                    others = shapes.take(np.delete(np.arange(len(shapes)), [i, j]))
-                    return others.joined(joint.take(np.array([int(np.argmax(after))])))
+        gap = np.abs(measure(shapes, self.xyz, self.normals)[0])
+        won = (share > 0.0) & (share >= share.max(axis=0, initial=0.0))
+        across = (won @ np.minimum(gap, 2.0 * NEAR * self.epsilon).T) / np.maximum(won.sum(axis=1), 1)[:, None]
+        near = (np.minimum(across, across.T) < NEAR * self.epsilon) & (shapes.kinds == shapes.kinds[:, None])
+        for i, j in zip(*np.nonzero(np.triu(near, 1)), strict=True):
+            theirs = np.flatnonzero(won[i] | won[j])
+            rest = np.delete(share[:, theirs], [i, j], axis=0).max(axis=0, initial=0.0)
+            before = np.maximum(rest, share[np.ix_([i, j], theirs)].max(axis=0)).sum()
+            few = theirs[spread(len(theirs), 8 * TRIALS)]
+            joint = shapes.take(np.array([i, j]))
+            for band in (3.0 * self.epsilon, self.epsilon):
+                joint = polish(joint, self.xyz[few], self.normals[few], band, self.settings)
+            share_joint = support(
+                joint, self.xyz[theirs], self.normals[theirs], self.epsilon, math.cos(self.settings.alpha)
+            )
+            after = np.maximum(rest, share_joint).sum(axis=1)
+            if after.max() > before - self.price:
+                others = shapes.take(np.delete(np.arange(len(shapes)), [i, j]))
+                return others.joined(joint.take(np.array([int(np.argmax(after))])))
         return None
 
     def _drawn(self, kind: int, among: Ints) -> Shapes:
@@ -143,6 +165,8 @@ class _Choice:
         sets = among[(first[:, None] + np.arange(size) * (len(among) // size)) % len(among)]
         drawn = through(kind, self.xyz[sets], self.normals[sets], self.settings)
         few = among[spread(len(among), 4 * TRIALS)]
-        total = support(drawn, self.xyz[few], self.normals[few], self.epsilon, math.cos(self.settings.alpha)).sum(axis=1)
+        total = support(drawn, self.xyz[few], self.normals[few], self.epsilon, math.cos(self.settings.alpha)).sum(
+            axis=1
+        )
         best = drawn.take(np.argsort(-total, kind="stable")[:3])
         return polish(best, self.xyz[few], self.normals[few], self.epsilon, self.settings)

@@ -1,8 +1,8 @@
 """Hypotheses: which primitives may be in the cloud, drawn where nothing is explained yet.
 
-A round draws minimal sets within cells of an octree (localised sampling), scores them lazily on growing subsets of the unexplained
-points, keeps a few that explain different points, polishes those by robust least squares and takes them in the order of what each
-adds. Source: Schnabel, Wahl and Klein 2007; local optimisation: Chum, Matas and Kittler 2003.
+A round draws minimal sets within cells of an octree (localised sampling), scores them lazily on growing subsets of the
+unexplained points, keeps a few that explain different points, polishes those by robust least squares and takes them in
+the order of what each adds. Source: Schnabel, Wahl and Klein 2007; local optimisation: Chum, Matas and Kittler 2003.
 """
 
 import math
@@ -22,6 +22,7 @@ Ints = NDArray[np.int64]
 
 DRAWS = 384  # minimal sets of each kind in a round
 FIRST, SECOND = 256, 1024  # unexplained points that the lazy scores look at
+JUDGES = 8000  # cells that the polished ones are judged on
 FINALISTS = 12  # hypotheses of a round that are polished
 LOCAL_SUCCESS = 0.1  # share of localised sets on one primitive whose points do lie on it alone
 EMPTY = (np.empty(0, dtype=np.int64), np.empty((0, 8)))
@@ -54,7 +55,9 @@ def measure(shapes: Shapes, xyz: Floats, normals: Floats) -> tuple[Floats, Float
 
 
 def support(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, cos_alpha: float) -> Floats:
-    """How well each primitive explains each point, (k, n) in [0, 1]: 1 within epsilon / 2, falling to 0 at epsilon, 0 beyond alpha."""
+    """How well each primitive explains each point, (k, n) in [0, 1]: 1 within epsilon / 2, falling to 0 at epsilon, 0
+    beyond alpha.
+    """
     distance, cosine = measure(shapes, xyz, normals)
     share = np.clip(2.0 - 2.0 * np.abs(distance) / epsilon, 0.0, 1.0)
     return np.where(cosine >= cos_alpha, share, 0.0)
@@ -73,11 +76,16 @@ def sizes_of(kinds: Ints, settings: Settings) -> Floats:
 def search_round(
     cloud: WorkingCloud, active: Ints, epsilon: float, floor: float, settings: Settings, rng: np.random.Generator
 ) -> Shapes:
-    """Primitives that each explain more than `floor` of the cells `active` (a,), ascending, which nothing else explains."""
+    """Primitives that each explain more than `floor` of the cells `active` (a,), ascending, which nothing else
+    explains.
+    """
     cos_alpha = math.cos(settings.alpha)
     hypotheses = _draw(cloud, active, settings, rng)
     if len(hypotheses) == 0:
         return hypotheses
+    whole = len(active)
+    active = active[spread(whole, JUDGES)]
+    floor *= len(active) / whole
     xyz, normals = cloud.mean[active], cloud.normal[active]
     few, many = spread(len(active), FIRST), spread(len(active), SECOND)
     total = support(hypotheses, xyz[few], normals[few], epsilon, cos_alpha).sum(axis=1)
@@ -86,11 +94,24 @@ def search_round(
     finalists = hypotheses.take(greedy(share, 1.0, FINALISTS))
     finalists = polish(finalists, xyz[many], normals[many], epsilon, settings)
     share = support(finalists, xyz, normals, epsilon, cos_alpha)
+    share[~_stand_out(finalists, share, xyz, normals, epsilon)] = 0.0
     return finalists.take(greedy(share, floor, len(finalists)))
 
 
+def _stand_out(shapes: Shapes, share: Floats, xyz: Floats, normals: Floats, epsilon: float) -> NDArray[np.bool_]:
+    """Which primitives (k,) are surfaces: more cells lie on them than beside them. Within a volume of points, more lie
+    beside.
+    """
+    distance = np.abs(measure(shapes, xyz, normals)[0])
+    beside = (distance > epsilon) & (distance <= 3.0 * epsilon)
+    surfaces: NDArray[np.bool_] = (share > 0.0).sum(axis=1) > beside.sum(axis=1)
+    return surfaces
+
+
 def greedy(share: Floats, floor: float, most: int) -> Ints:
-    """Rows of share (k, n) that add most to the pointwise maximum, one after the other, while each adds more than `floor`."""
+    """Rows of share (k, n) that add most to the pointwise maximum, one after the other, while each adds more than
+    `floor`.
+    """
     best = np.zeros(share.shape[1])
     chosen: list[int] = []
     while len(chosen) < most:
@@ -104,7 +125,7 @@ def greedy(share: Floats, floor: float, most: int) -> Ints:
 
 
 def polish(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, settings: Settings) -> Shapes:
-    """Robust least squares (Tukey's weights, two rounds) on points (n, 3) within epsilon and alpha of each primitive."""
+    """Robust least squares (Tukey's weights, twice) on points (n, 3) within epsilon and alpha of each primitive."""
     sizes, cos_alpha = sizes_of(shapes.kinds, settings), math.cos(settings.alpha)
     for _ in range(2):
         distance, cosine = measure(shapes, xyz, normals)
@@ -114,7 +135,9 @@ def polish(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, setting
 
 
 def _draw(cloud: WorkingCloud, active: Ints, settings: Settings, rng: np.random.Generator) -> Shapes:
-    """Primitives through minimal sets, each within one octree cell of random level, seeds stratified over the active cells."""
+    """Primitives through minimal sets, each within one octree cell of random level, seeds stratified over the active
+    cells.
+    """
     active = active[np.isfinite(cloud.normal[active]).all(axis=1)]
     if len(active) < 4:
         return Shapes(*EMPTY)
@@ -122,18 +145,24 @@ def _draw(cloud: WorkingCloud, active: Ints, settings: Settings, rng: np.random.
     levels = max(3, math.ceil(math.log2(int(cloud.cell.max()) + 1)))
     found = Shapes(*EMPTY)
     for kind in settings.kinds:
-        seed = np.minimum(((np.arange(DRAWS) + rng.random(DRAWS)) * len(active) / DRAWS).astype(np.int64), len(active) - 1)
+        seed = np.minimum(
+            ((np.arange(DRAWS) + rng.random(DRAWS)) * len(active) / DRAWS).astype(np.int64), len(active) - 1
+        )
         shift = 3 * rng.integers(2, levels + 1, DRAWS)
         start = (code[seed] >> shift) << shift
         low, high = np.searchsorted(code, start), np.searchsorted(code, start + (np.int64(1) << shift))
-        others = low[:, None] + (rng.random((DRAWS, MINIMAL_SETS[kind].size - 1)) * (high - low)[:, None]).astype(np.int64)
+        others = low[:, None] + (rng.random((DRAWS, MINIMAL_SETS[kind].size - 1)) * (high - low)[:, None]).astype(
+            np.int64
+        )
         sets = active[np.concatenate((seed[:, None], others), axis=1)]
         found = found.joined(through(kind, cloud.mean[sets], cloud.normal[sets], settings))
     return found
 
 
 def through(kind: int, xyz: Floats, normals: Floats, settings: Settings) -> Shapes:
-    """The primitives of a kind through minimal sets (s, size, 3), without the degenerate and those well beyond the size limits."""
+    """The primitives of a kind through minimal sets (s, size, 3), without the degenerate and those well beyond the size
+    limits.
+    """
     rows, whole = MINIMAL_SETS[kind].rows(xyz, normals)
     low, high = settings.size_limits(kind)
     whole &= (rows[:, 6] >= 0.9 * low) & (rows[:, 6] <= 1.1 * high)  # least squares brings the size within its limits
@@ -141,6 +170,6 @@ def through(kind: int, xyz: Floats, normals: Floats, settings: Settings) -> Shap
 
 
 def draws_needed(share: float, probability: float) -> float:
-    """Minimal sets after which a primitive with this share of the points is overlooked with at most this probability."""
+    """Minimal sets after which a primitive with this share of the points has been missed with this probability."""
     success = min(max(share, 1e-9), 1.0) * LOCAL_SUCCESS
     return math.log(probability) / math.log1p(-success)

@@ -1,9 +1,11 @@
-"""Weighted least squares on the geometric distance, for every primitive by the same normal equations, many primitives at a time.
+"""Weighted least squares on the geometric distance, for every primitive by the same normal equations, many primitives
+at a time.
 
-A primitive moves by a translation, a rotation and its two sizes; the derivative of the distance with respect to each follows from
-the unit normal alone. Motions that leave the primitive as it is (a cylinder along its axis) are singular directions, which the
-damping of Levenberg and Marquardt leaves at rest. Minimising distances, no algebraic form, is what keeps radii unbiased.
-Source: Lukács, Martin and Marshall 1998, "Faithful Least-Squares Fitting of Spheres, Cylinders, Cones and Tori".
+A primitive moves by a translation, a rotation and its two sizes; the derivative of the distance with respect to each
+follows from the unit normal alone. Motions that leave the primitive as it is (a cylinder along its axis) are singular
+directions, which the damping of Levenberg and Marquardt leaves at rest. Minimising distances, no algebraic form, is
+what keeps radii unbiased. Source: Lukács, Martin and Marshall 1998, "Faithful Least-Squares Fitting of Spheres,
+Cylinders, Cones and Tori".
 """
 
 import math
@@ -20,7 +22,15 @@ Ints = NDArray[np.int64]
 
 @njit(cache=True, nogil=True)
 def _normal_equations(
-    kinds: Ints, rows: Floats, xyz: Floats, weights: Floats, pivots: Floats, scales: Floats, matrix: Floats, vector: Floats, cost: Floats
+    kinds: Ints,
+    rows: Floats,
+    xyz: Floats,
+    weights: Floats,
+    pivots: Floats,
+    scales: Floats,
+    matrix: Floats,
+    vector: Floats,
+    cost: Floats,
 ) -> None:
     """Lower triangles (k, 8, 8), right sides (k, 8) and weighted sums of squares (k,) [m²], at the rows.
 
@@ -59,7 +69,11 @@ def _normal_equations(
 def _assemble(
     kinds: Ints, rows: Floats, xyz: Floats, weights: Floats, pivots: Floats, scales: Floats
 ) -> tuple[Floats, Floats, Floats]:
-    matrix, vector, cost = np.zeros((len(kinds), _UNKNOWNS, _UNKNOWNS)), np.zeros((len(kinds), _UNKNOWNS)), np.zeros(len(kinds))
+    matrix, vector, cost = (
+        np.zeros((len(kinds), _UNKNOWNS, _UNKNOWNS)),
+        np.zeros((len(kinds), _UNKNOWNS)),
+        np.zeros(len(kinds)),
+    )
     _normal_equations(kinds, rows, xyz, weights, pivots, scales, matrix, vector, cost)
     return matrix + np.tril(matrix, -1).transpose(0, 2, 1), vector, cost
 
@@ -67,11 +81,10 @@ def _assemble(
 def _solve(matrix: Floats, vector: Floats, damping: Floats, frozen: NDArray[np.bool_]) -> Floats:
     """Damped steps (k, 8); where frozen (k,), the first size stays."""
     trace = np.trace(matrix, axis1=1, axis2=2)
-    matrix, vector = matrix.copy(), vector.copy()
-    matrix[frozen, 6, :], matrix[frozen, :, 6], vector[frozen, 6] = 0.0, 0.0, 0.0
-    matrix[:, range(_UNKNOWNS), range(_UNKNOWNS)] += np.maximum(damping * trace, 1e-300)[:, None]
-    step: Floats = np.linalg.solve(matrix, vector[..., None])[..., 0]
-    return step
+    damped, right = matrix.copy(), vector.copy()
+    damped[frozen, 6, :], damped[frozen, :, 6], right[frozen, 6] = 0.0, 0.0, 0.0
+    damped[:, range(_UNKNOWNS), range(_UNKNOWNS)] += np.maximum(damping * trace, 1e-300)[:, None]
+    return np.asarray(np.linalg.solve(damped, right[..., None])[..., 0], dtype=np.float64)
 
 
 def _move(kinds: Ints, rows: Floats, steps: Floats, pivots: Floats, scales: Floats, sizes: Floats) -> Floats:
@@ -97,11 +110,13 @@ def _move(kinds: Ints, rows: Floats, steps: Floats, pivots: Floats, scales: Floa
     return out
 
 
-def least_squares(kinds: Ints, rows: Floats, xyz: Floats, weights: Floats, sizes: Floats, iterations: int = 10) -> Floats:
+def least_squares(
+    kinds: Ints, rows: Floats, xyz: Floats, weights: Floats, sizes: Floats, iterations: int = 10
+) -> Floats:
     """Rows (k, 8) of the k primitives that fit points (n, 3) [m] best under weights (k, n), from starting rows.
 
-    `sizes` (k, 2) bounds each first size (radius [m], cone's half angle [rad]), ends included; it holds for the result. A start
-    comes back (within its bounds) where no weight is positive or no step lowers its sum of squares.
+    `sizes` (k, 2) bounds each first size (radius [m], cone's half angle [rad]), ends included; it holds for the result.
+    A start comes back (within its bounds) where no weight is positive or no step lowers its sum of squares.
     """
     mass = weights.sum(axis=1)
     safe = np.where(mass > 0.0, mass, 1.0)
@@ -127,7 +142,12 @@ def least_squares(kinds: Ints, rows: Floats, xyz: Floats, weights: Floats, sizes
         better = trial_cost < cost[a]
         gain = cost[a] - trial_cost
         b = a[better]
-        rows[b], matrix[b], vector[b], cost[b] = trial[better], trial_matrix[better], trial_vector[better], trial_cost[better]
+        rows[b], matrix[b], vector[b], cost[b] = (
+            trial[better],
+            trial_matrix[better],
+            trial_vector[better],
+            trial_cost[better],
+        )
         damping[a] = np.where(better, np.maximum(damping[a] * 0.1, 1e-12), damping[a] * 100.0)
         still = np.where(better, gain <= 1e-9 * cost[a], damping[a] > 1e3) | (cost[a] <= 1e-24 * mass[a])
         active = a[~still]
@@ -135,7 +155,9 @@ def least_squares(kinds: Ints, rows: Floats, xyz: Floats, weights: Floats, sizes
 
 
 def _slid(kinds: Ints, rows: Floats, pivots: Floats, present: NDArray[np.bool_]) -> Floats:
-    """Rows with the free point of planes and cylinders brought next to the points, where the rotation is well conditioned."""
+    """Rows with the free point of planes and cylinders brought next to the points, where the rotation is well
+    conditioned.
+    """
     along = ((pivots - rows[:, :3]) * rows[:, 3:6]).sum(axis=1)[:, None] * rows[:, 3:6]
     out = rows.copy()
     planes, cylinders = present & (kinds == PLANE), present & (kinds == CYLINDER)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, fields
 from typing import Annotated, get_args, get_type_hints
 
-from segmentation.primitives import PRIMITIVES
+NAMES = ("plane", "sphere", "cylinder", "cone", "torus")  # the index is the kind of `primitives_numeric`
 
 
 @dataclass(frozen=True)
@@ -19,8 +19,6 @@ class Range:
     meaning: str
 
 
-
-
 @dataclass(frozen=True)
 class Settings:
     """What to look for. None leaves a parameter to the cloud: its size, its spacing, its noise.
@@ -28,18 +26,26 @@ class Settings:
     Raises ValueError, naming field, value and limits, where a value lies outside its range.
     """
 
-    min_support: Annotated[float, Range(0.0, math.inf, "1", "points a component needs; below 1 their share of the cloud")] = 0.004
+    min_support: Annotated[
+        float, Range(0.0, math.inf, "1", "points a component needs; below 1 their share of the cloud")
+    ] = 0.004
     epsilon: Annotated[float | None, Range(1e-6, 10.0, "m", "largest distance of a point from its primitive")] = None
-    alpha: Annotated[float, Range(0.01, math.pi / 2, "rad", "largest angle between the normals of a point and its primitive")] = (
-        math.radians(25.0)
-    )
-    beta: Annotated[float | None, Range(1e-4, 100.0, "m", "sampling resolution: points nearer than this are connected")] = None
-    overlooking_probability: Annotated[float, Range(1e-9, 0.5, "1", "chance that a primitive of minimum support is missed")] = 0.01
+    alpha: Annotated[
+        float, Range(0.01, math.pi / 2, "rad", "largest angle between the normals of a point and its primitive")
+    ] = math.radians(25.0)
+    beta: Annotated[
+        float | None, Range(1e-4, 100.0, "m", "sampling resolution: points nearer than this are connected")
+    ] = None
+    overlooking_probability: Annotated[
+        float, Range(1e-9, 0.5, "1", "chance that a primitive of minimum support is missed")
+    ] = 0.01
     sphere_r_min: Annotated[float, Range(0.0, math.inf, "m", "smallest radius of a sphere")] = 0.0
     sphere_r_max: Annotated[float, Range(0.0, math.inf, "m", "largest radius of a sphere")] = math.inf
     cylinder_r_min: Annotated[float, Range(0.0, math.inf, "m", "smallest radius of a cylinder")] = 0.0
     cylinder_r_max: Annotated[float, Range(0.0, math.inf, "m", "largest radius of a cylinder")] = math.inf
-    r_tolerance: Annotated[float, Range(0.0, 1.0, "m", "by how much a radius may pass its limits, which are given rounded")] = 0.005
+    r_tolerance: Annotated[
+        float, Range(0.0, 1.0, "m", "by how much a radius may pass its limits, which are given rounded")
+    ] = 0.005
     primitives: Annotated[tuple[str, ...], "kinds to look for"] = ("plane", "sphere", "cylinder")
 
     def __post_init__(self) -> None:
@@ -52,19 +58,18 @@ class Settings:
             low, high = getattr(self, f"{kind}_r_min"), getattr(self, f"{kind}_r_max")
             if low > high:
                 raise ValueError(f"{kind}_r_min = {low:g} m exceeds {kind}_r_max = {high:g} m: exchange them")
-        known = [primitive.name for primitive in PRIMITIVES]
-        unknown = sorted(set(self.primitives) - set(known))
+        unknown = sorted(set(self.primitives) - set(NAMES))
         if unknown or not self.primitives:
-            raise ValueError(f"primitives = {self.primitives}: name at least one of {', '.join(known)}")
+            raise ValueError(f"primitives = {self.primitives}: name at least one of {', '.join(NAMES)}")
 
     @property
     def kinds(self) -> tuple[int, ...]:
         """The kinds of `primitives_numeric` that are on, ascending."""
-        return tuple(primitive.kind for primitive in PRIMITIVES if primitive.name in self.primitives)
+        return tuple(kind for kind, name in enumerate(NAMES) if name in self.primitives)
 
     def size_limits(self, kind: int) -> tuple[float, float]:
         """Bounds of the first size of a kind with their tolerance: radius [m], for a cone the half angle [rad]."""
-        name = PRIMITIVES[kind].name
+        name = NAMES[kind]
         if name in ("sphere", "cylinder"):
             low, high = getattr(self, f"{name}_r_min"), getattr(self, f"{name}_r_max")
             return max(low - self.r_tolerance, 0.0), high + self.r_tolerance
@@ -80,7 +85,9 @@ CONE_ANGLES = (math.radians(2.0), math.radians(88.0))  # a narrower cone is a cy
 
 def _ranges() -> dict[str, Range]:
     hints = get_type_hints(Settings, include_extras=True)
-    found = {field.name: [arg for arg in get_args(hints[field.name]) if isinstance(arg, Range)] for field in fields(Settings)}
+    found = {
+        field.name: [arg for arg in get_args(hints[field.name]) if isinstance(arg, Range)] for field in fields(Settings)
+    }
     return {name: ranges[0] for name, ranges in found.items() if ranges}
 
 

@@ -1,8 +1,8 @@
 """Components: the connected regions of each primitive, cut along its intersection curves with the others.
 
-Opposite webs of a groin share a cylinder and touch at the crown; four pendentives share a sphere and touch below the drum. Gaps in the
-points do not separate them, but another primitive's points lie around every such neck: what is next to another primitive is taken
-away, what is left falls into components, and these grow back over what was taken.
+Opposite webs of a groin share a cylinder and touch at the crown; four pendentives share a sphere and touch below the
+drum. Gaps in the points do not separate them, but another primitive's points lie around every such neck: what is next
+to another primitive is taken away, what is left falls into components, and these grow back over what was taken.
 """
 
 import numpy as np
@@ -19,7 +19,8 @@ SMALLEST_CORE = 0.25  # of the minimum support; a smaller core grows out of its 
 
 
 def split(cloud: WorkingCloud, labels: Ints) -> Ints:
-    """Components (m,) of the cells, 0 for none, counted by the primitives `labels` (m,), -1 for none, in ascending order.
+    """Components (m,) of the cells, 0 for none, counted by the primitives `labels` (m,), -1 for none, in ascending
+    order.
 
     A component has the minimum support; what is connected to none that has, is 0.
     """
@@ -48,7 +49,7 @@ def split(cloud: WorkingCloud, labels: Ints) -> Ints:
 
 
 def _components(cloud: WorkingCloud, labels: Ints, among: NDArray[np.bool_], smallest: float) -> Ints:
-    """Connected components (m,) of the cells `among` (m,) with equal labels and at least `smallest` points; 0 for none."""
+    """Connected components (m,) of the cells `among` (m,) with equal labels and `smallest` points; 0 for none."""
     size = len(labels)
     if not among.any():
         return np.zeros(size, dtype=np.int64)
@@ -67,7 +68,9 @@ def _components(cloud: WorkingCloud, labels: Ints, among: NDArray[np.bool_], sma
 
 
 def _grow(cloud: WorkingCloud, labels: Ints, cores: Ints) -> Ints:
-    """Cores grown, ring by ring, over the cells of their own primitive; between two, the one that touches a cell more often."""
+    """Cores grown, ring by ring, over the cells of their own primitive; between two, the one that touches a cell more
+    often.
+    """
     grown = cores.copy()
     open_edges = np.flatnonzero((cores[cloud.tail] == 0) & (labels[cloud.tail] == labels[cloud.head]))
     tail, head = cloud.tail[open_edges], cloud.head[open_edges]

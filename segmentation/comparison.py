@@ -47,19 +47,24 @@ class Comparison:
 
     def table(self) -> str:
         """Plain text, a line for each component and one for the mean."""
-        lines = [f"{'truth':>6} {'found':>6} {'points':>12} {'found points':>12} {'ratio':>8} {'IoU':>7} {'precision':>9} {'recall':>7}"]
+        head = f"{'truth':>6} {'found':>6} {'points':>12} {'found points':>12} {'ratio':>8}"
+        lines = [f"{head} {'IoU':>7} {'precision':>9} {'recall':>7}"]
         lines += [
             f"{m.truth:>6} {m.found or '-':>6} {m.truth_points:>12,} {m.found_points:>12,} {m.count_ratio:>8.2%}"
             f" {m.iou:>7.4f} {m.precision:>9.4f} {m.recall:>7.4f}"
             for m in self.matches
         ]
-        lines.append(f"{len(self.matches)} components, {len(self.unmatched)} found without a match, mean IoU {self.mean_iou:.4f}")
+        lines.append(
+            f"{len(self.matches)} components, {len(self.unmatched)} found without a match, mean IoU {self.mean_iou:.4f}"
+        )
         return "\n".join(lines)
 
     def json(self) -> str:
         """JSON object: mean_iou (null for no components), components, unmatched."""
         mean = self.mean_iou if self.matches else None
-        return json.dumps({"mean_iou": mean, "components": [asdict(m) for m in self.matches], "unmatched": list(self.unmatched)})
+        return json.dumps(
+            {"mean_iou": mean, "components": [asdict(m) for m in self.matches], "unmatched": list(self.unmatched)}
+        )
 
     def csv(self) -> str:
         """Comma-separated values, the field names of `Match` in the first line."""
@@ -92,7 +97,11 @@ def compare(labels: ArrayLike, truth: ArrayLike) -> Comparison:
     matches = []
     for row in range(1, len(truth_label)):
         column = partner.get(row, 0)
-        common, own, theirs = (int(v) for v in (table[row, column], truth_points[row], found_points[column])) if column else (0, int(truth_points[row]), 0)
+        common, own, theirs = (
+            (int(v) for v in (table[row, column], truth_points[row], found_points[column]))
+            if column
+            else (0, int(truth_points[row]), 0)
+        )
         matches.append(
             Match(
                 truth=int(truth_label[row]),
