@@ -2,6 +2,7 @@
 
 import dataclasses
 from collections.abc import Callable
+from functools import cache
 from math import radians
 from pathlib import Path
 
@@ -45,25 +46,27 @@ def fitted(vault: Vault, pose: Pose) -> FittedVault:
     )
 
 
+@cache  # the same value every time, so that its solid is made once
+def made(name: str) -> Model:
+    return Model(
+        scan=Path(f"scan of a {name}.laz"),
+        points=123_456,
+        bounds=np.array([[0.0, 0.0, 0.0], [9.0, 8.0, 7.0]]),
+        origin=np.zeros(3),
+        vaults=(fitted(family(name)(), Pose(4.0, 3.0, 2.5, radians(25))),),
+        settings={"family": "auto", "seed": 0},
+        versions={"vaultcad": "0.1.0", "numpy": "2"},
+        seconds={"read": 1.2345, "fit": 2.5},
+    )
+
+
+def make(name: str, **changes: object) -> Model:
+    return dataclasses.replace(made(name), **changes) if changes else made(name)
+
+
 @pytest.fixture(scope="session")
 def make_model() -> Callable[..., Model]:
     """A model of one vault by its family's id; further fields of `Model` as keywords."""
-    made: dict[str, Model] = {}
-
-    def make(name: str, **changes: object) -> Model:
-        if name not in made:  # the same value every time, so that its solid is made once
-            made[name] = Model(
-                scan=Path(f"scan of a {name}.laz"),
-                points=123_456,
-                bounds=np.array([[0.0, 0.0, 0.0], [9.0, 8.0, 7.0]]),
-                origin=np.zeros(3),
-                vaults=(fitted(family(name)(), Pose(4.0, 3.0, 2.5, radians(25))),),
-                settings={"family": "auto", "seed": 0},
-                versions={"vaultcad": "0.1.0", "numpy": "2"},
-                seconds={"read": 1.2345, "fit": 2.5},
-            )
-        return dataclasses.replace(made[name], **changes) if changes else made[name]
-
     return make
 
 

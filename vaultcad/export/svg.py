@@ -60,7 +60,7 @@ class Drawing:
     def text(self, at: Iterable[float], text: str, kind: str, *, turned: bool = False) -> None:
         """A word, centred about a point; `turned` to be read from the right."""
         x, y = at
-        place = f"translate({UNIT * x:.1f} {-UNIT * y:.1f})" + " rotate(-90)" * turned
+        place = f"translate({UNIT * x:.1f} {-UNIT * y:.1f})" + (" rotate(-90)" if turned else "")
         self._parts.append(f'<text class="{kind}" transform="{place}">{escape(text)}</text>')
 
     def dimension(self, a: tuple[float, float], b: tuple[float, float]) -> None:

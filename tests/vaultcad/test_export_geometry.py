@@ -1,0 +1,84 @@
+"""Bodies of components: closed, without gap or overlap, and the same on either side where the vault is."""
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from families import FAMILIES, Dome, Groin, Mirror, Pointed, Segmental, Stilted, Trough
+from vaultcad.export.drawing import cut
+from vaultcad.export.geometry import Body, bodies, loops, shell
+
+THICKNESS = 0.15
+VAULTS = [
+    *(cls() for cls in FAMILIES),
+    Groin(5, 4, Segmental(0.4), Pointed(0.6)),  # groins that are curved in plan
+    Groin(5, 4, offset_x_ratio=0.1, offset_y_ratio=0.05),  # wall arches outside the springings
+    Groin(5, 4, Stilted(), Segmental(0.4)),
+    Trough(5, 5, south_ratio=1, north_ratio=1),  # a cloister vault
+    Mirror(plane_ratio=0.6),
+    Dome(pendentive_ratio=0.5, drum_ratio=0),
+]
+BOX = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float) * (2, 3, 4)
+FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+TRIANGLES = np.array([[f[0], f[k], f[k + 1]] for f in FACES for k in (1, 2)], dtype=np.int32)
+
+
+def closed(triangles):
+    edges = Counter(map(tuple, np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)]).tolist()))
+    return all(count == 1 and edges[b, a] == 1 for (a, b), count in edges.items())
+
+
+@pytest.mark.parametrize("vault", VAULTS, ids=[f"{vault.id}-{k}" for k, vault in enumerate(VAULTS)])
+def test_bodies_share_the_masonry_out(vault):
+    pieces, whole = bodies(vault, THICKNESS), shell(vault, THICKNESS)
+    assert [body.name for body in pieces] == list(vault.components)
+    assert all(closed(body.triangles) for body in pieces)
+    assert min(body.volume for body in pieces) > 0
+    solid = Body(0, "", whole.vertices, whole.triangles, 0.0)
+    assert sum(body.volume for body in pieces) == pytest.approx(solid.volume, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("vault", "pairs"),
+    [
+        (VAULTS[FAMILIES.index(Groin)], [("web_south", "web_north"), ("web_west", "web_east")]),
+        (VAULTS[8], [("web_south", "web_north"), ("web_west", "web_east")]),
+        (VAULTS[FAMILIES.index(Mirror)], [("cove_south", "cove_north"), ("cove_west", "cove_east")]),
+        (VAULTS[FAMILIES.index(Dome)], [("pendentive_south_west", "pendentive_north_east")]),
+    ],
+    ids=["groin", "groin with offsets", "mirror", "dome"],
+)
+def test_opposite_components_get_as_much(vault, pairs):
+    volume = {body.name: body.volume for body in bodies(vault, THICKNESS)}
+    for one, other in pairs:
+        assert volume[one] == pytest.approx(volume[other], rel=1e-3)
+
+
+def test_a_body_lies_over_its_own_component():
+    vault = VAULTS[7]
+    for body in bodies(vault, THICKNESS):
+        surface = vault.evaluate(body.vertices[body.triangles].mean(axis=1))
+        on_intrados = np.abs(surface.distance) < 0.003
+        assert on_intrados.any()
+        assert (surface.component[on_intrados] == body.id).mean() > 0.97
+
+
+def test_a_box_is_cut_in_a_rectangle():
+    (row,) = cut(Body(1, "box", BOX, TRIANGLES, 0.0), axis=1, at=1.0)
+    assert np.allclose(row[:, 1], 1.0)
+    assert set(map(tuple, row[:, [0, 2]].tolist())) >= {(0.0, 0.0), (2.0, 0.0), (2.0, 4.0), (0.0, 4.0)}
+    x, z = row[:, 0], row[:, 2]
+    assert abs(x @ np.roll(z, -1) - z @ np.roll(x, -1)) / 2 == pytest.approx(8.0)
+
+
+def test_the_border_of_a_patch_is_one_loop_in_its_direction():
+    assert loops(TRIANGLES) == []
+    (loop,) = loops(TRIANGLES[:2])
+    assert loop[loop.index(0) :] + loop[: loop.index(0)] == [0, 1, 3, 2]
+
+
+def test_the_box_of_this_test_is_closed_and_right():
+    box = Body(1, "box", BOX, TRIANGLES, 0.0)
+    assert closed(TRIANGLES)
+    assert box.volume == pytest.approx(24.0)
