@@ -95,7 +95,7 @@ def label_points(
     A point goes to the component whose primitive is nearest, of those in its cell and the cells around, within epsilon;
     where two primitives bound each other, to the one it belongs to by side, on which noise has no influence.
     """
-    lattice = np.floor(cloud.raw / cloud.size).astype(np.int64)
+    lattice = np.floor(cloud.raw * (1 / cloud.size)).astype(np.int64)
     low = lattice.min(axis=0)
     lattice -= low
     keys = (lattice[:, 0] << 2 * _BITS) | (lattice[:, 1] << _BITS) | lattice[:, 2]
@@ -109,7 +109,7 @@ def label_points(
         count, square = np.zeros(width, dtype=np.int64), np.zeros(width)
         stop = min(start + CHUNK, len(xyz))
         _label(
-            xyz[start:stop], labels[start:stop], cloud.size, low, keys, table,
+            xyz[start:stop], labels[start:stop], 1 / cloud.size, low, keys, table,
             found.candidates, found.owner, found.side, shapes.kinds, shapes.rows, cloud.epsilon,
             ends, cloud.head, cloud.raw, components, count, square,
         )  # fmt: skip
@@ -139,7 +139,7 @@ def _index(keys: Ints, table: NDArray[np.int32]) -> None:
 
 @njit(cache=True, nogil=True)
 def _label(
-    xyz: NDArray[np.floating], labels: NDArray[np.uint16], size: float, low: Ints, keys: Ints, table: NDArray[np.int32],
+    xyz: NDArray[np.floating], labels: NDArray[np.uint16], scale: float, low: Ints, keys: Ints, table: NDArray[np.int32],
     candidates: Ints, owner: Ints, side: Floats, kinds: Ints, rows: Floats, epsilon: float,
     ends: Ints, head: Ints, raw: Floats, components: Ints, count: Ints, square: Floats,
 ) -> None:  # fmt: skip
@@ -149,9 +149,9 @@ def _label(
         if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
             continue
         kx, ky, kz = (
-            np.int64(math.floor(x / size)) - low[0],
-            np.int64(math.floor(y / size)) - low[1],
-            np.int64(math.floor(z / size)) - low[2],
+            np.int64(math.floor(x * scale)) - low[0],
+            np.int64(math.floor(y * scale)) - low[1],
+            np.int64(math.floor(z * scale)) - low[2],
         )
         key = (kx << (2 * _BITS)) | (ky << _BITS) | kz
         if key != last:

@@ -61,7 +61,7 @@ def working_cloud(
     if len(thinned) < 4:
         return None
     raw = np.asarray(xyz[thinned.first], dtype=np.float64)
-    cell = np.floor(raw / size).astype(np.int64)
+    cell = np.floor(raw * (1 / size)).astype(np.int64)  # as thin() rounds
     cell -= cell.min(axis=0)
     code = _morton(cell)
     order = np.argsort(code, kind="stable")
