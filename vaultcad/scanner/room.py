@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
+from vaultcad.errors import VaultcadError
 from vaultcad.scanner.furnish import furnish
 from vaultcad.scanner.settings import ScannerSettings
 from vaultcad.scanner.triangles import Triangles, box, join, plain, rectangle, split
@@ -22,6 +23,7 @@ Array = NDArray[np.float64]
 
 TOLERANCE = 0.0006  # of the vault's mesh [m], as little as the noise of a good scanner
 LONGEST = 0.15  # edge [m], so that a mesh that is bent by the settlement stays about as smooth
+EXACT = 1e-5  # what the vertices of the mesh may be off [m]
 GAP = 0.0005  # of the walls behind the plan [m]: where a stilted vault runs up along a wall, the vault shows
 VAULT, WALL, FLOOR, DOOR = 0.65, 0.6, 0.3, 0.25  # reflectance
 REVEAL = 0.35  # depth of the jambs of doors and windows [m]
@@ -46,6 +48,7 @@ def build(vault: Vault, settings: ScannerSettings, stations: Array, rng: np.rand
 
     Raises:
         ValueError: piers are asked for under a vault that stands on its walls.
+        VaultcadError: the vault could not be meshed.
     """
     intrados = vault_triangles(vault)
     piers = settings.walls == "piers"
@@ -54,13 +57,31 @@ def build(vault: Vault, settings: ScannerSettings, stations: Array, rng: np.rand
 
 
 def vault_triangles(vault: Vault) -> Triangles:
-    """The intrados with its components, meshed finely enough to be bent."""
+    """The intrados with its components, meshed finely enough to be bent.
+
+    Raises:
+        VaultcadError: the mesh of the B-Rep has a gap or leaves the numeric surface, so that labels would be wrong.
+    """
     from families.mesh import mesh
 
     ideal = mesh(vault, TOLERANCE)
-    component = ideal.component.astype(np.uint16)
-    bright = np.full(len(component), VAULT, np.float32)
-    return split(Triangles(ideal.vertices, ideal.triangles.astype(np.int64), component, bright), LONGEST)
+    off = float(np.abs(vault.distance(ideal.vertices)).max())
+    rim = ideal.vertices[_rim(ideal.triangles)].reshape(-1, 3)
+    in_wall = (np.abs(np.abs(rim[:, :2]) - (vault.plan.half_x, vault.plan.half_y)) < EXACT).any(1)
+    gap = not (in_wall | (np.abs(rim[:, 2]) < EXACT)).all()
+    if off > EXACT or gap:
+        fault = "has a gap" if gap else f"leaves its numeric surface by {off:.4f} m"
+        raise VaultcadError(f"the mesh of {vault} {fault}; change a size a little")
+    bright = np.full(len(ideal.triangles), VAULT, np.float32)
+    return split(Triangles(ideal.vertices, ideal.triangles.astype(np.int64), ideal.component, bright), LONGEST)
+
+
+def _rim(triangles: NDArray[np.integer]) -> NDArray[np.integer]:
+    """Edges (n, 2) that only one triangle has."""
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1)
+    edges, count = np.unique(edges, axis=0, return_counts=True)
+    rim: NDArray[np.integer] = edges[count == 1]
+    return rim
 
 
 def _on_walls(
@@ -171,12 +192,9 @@ def _top(mesh: Triangles) -> float:
 
 def _transverse_arch(intrados: Triangles, axis: int, sign: int, half: tuple[float, float]) -> Triangles:
     """Front and soffit of the arch between two bays: the vault's edge there, dropped, and drawn out of the plan."""
-    triangles = intrados.triangles
-    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1)
-    edges, count = np.unique(edges, axis=0, return_counts=True)
-    xyz = intrados.vertices
-    on_wall = np.abs(xyz[:, axis] - sign * half[axis]) < 1e-5
-    edges = edges[(count == 1) & on_wall[edges].all(1)]
+    xyz, rim = intrados.vertices, _rim(intrados.triangles)
+    in_wall = np.abs(xyz[:, axis] - sign * half[axis]) < EXACT
+    edges = rim[in_wall[rim].all(1)]
     edge = xyz[edges.reshape(-1)]
     dropped = edge * np.array([1, 1, 1 - ARCH_DROP / half[1 - axis]])
     dropped[:, 1 - axis] *= 1 - ARCH_DROP / half[1 - axis]

@@ -52,6 +52,7 @@ def scan(vault: Vault, settings: ScannerSettings | None = None, *, rng: np.rando
 
     Raises:
         ValueError: the settings do not suit the vault; names the field, the value and the limit.
+        VaultcadError: the vault could not be meshed.
         MissingLibraryError: open3d, or a system library under it, is missing; says how to install it.
     """
     settings = settings or ScannerSettings()
