@@ -54,7 +54,7 @@ def _trimesh(
     from trimesh.visual.material import PBRMaterial
 
     used, where = np.unique(triangles, return_inverse=True)
-    corners = where.reshape(-1, 3)
+    corners = where.reshape(-1, 3).astype(np.int32)
     points = mesh.vertices[used] @ place[:3, :3].T + place[:3, 3]
     material = PBRMaterial(
         name=colour.hex, baseColorFactor=_linear(colour), metallicFactor=0.0, roughnessFactor=0.9, doubleSided=True
@@ -76,7 +76,8 @@ def _normals(points: Floats, corners: Triangles) -> Floats:
     total = np.zeros_like(points)
     for k in range(3):
         np.add.at(total, corners[:, k], across)
-    return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)
+    normals: Floats = total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)
+    return normals
 
 
 def _linear(colour: Colour) -> list[int]:
