@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import reduce
 from math import pi
 
@@ -17,7 +17,7 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Shape
 from OCP.TopTools import TopTools_ListOfShape
 
-from families.cells import NEAR, Cell
+from families.cells import BEYOND, Cell, View
 from families.domical import domical
 from families.outline import Bow, Point, half_outline
 from families.parts import Ball, Barrel, Ceiling, Lid, Part, Piece, Turned
@@ -26,7 +26,6 @@ from families.sketch import MM, TOUCH, Upright, sketch
 
 CORNERS = [(True, True), (False, True), (False, False), (True, False)]  # x > 0 and y > 0, counterclockwise
 FUZZY = (1e-3, 1e-2, 1e-4)  # [mm], tried in turn: surfaces that are tangent at a corner of a cell meet none too sharply
-BEYOND = 0.2  # how far, by its size, a body that is cut by others is made beyond its cell, so that no faces coincide
 
 
 def union(pieces: Iterable[Piece], cell: Cell) -> TopoDS_Shape | None:
@@ -74,7 +73,7 @@ def _listed(shapes: Sequence[TopoDS_Shape]) -> TopTools_ListOfShape:
 
 
 def _piece(piece: Piece, cell: Cell) -> TopoDS_Shape | None:
-    views = [_View(part, cell) for part in piece.parts if isinstance(part, Barrel)]
+    views = [View(part, cell) for part in piece.parts if isinstance(part, Barrel)]
     if any(view.outside for view in views):
         return None
     views = [view for view in views if view.bounds]
@@ -89,50 +88,10 @@ def _piece(piece: Piece, cell: Cell) -> TopoDS_Shape | None:
     return reduce(common, shapes)
 
 
-@dataclass(frozen=True)
-class _View:
-    """A barrel as a cell sees it: on one side of its axis, from u = near to u = far."""
-
-    part: Barrel
-    cell: Cell
-
-    @property
-    def sign(self) -> int:
-        start, end = self.cell.side(self.part.across)
-        return 1 if (start + end) / 2 > self.part.centre else -1
-
-    @property
-    def near(self) -> float:
-        return max(0.0, min(self.sign * (place - self.part.centre) for place in self.cell.side(self.part.across)))
-
-    @property
-    def far(self) -> float:
-        return max(self.sign * (place - self.part.centre) for place in self.cell.side(self.part.across))
-
-    @property
-    def bounds(self) -> bool:
-        """Whether there is a profile on this side."""
-        return self.part.side in {0, self.sign}
-
-    @property
-    def outside(self) -> bool:
-        """Whether the cell lies behind the wall."""
-        return self.bounds and self.near > self.part.curve.half_span - NEAR
-
-    def widened(self, cell: Cell) -> Cell:
-        """The cell beyond the barrel's wall if that stands in it, so that other bodies are cut by the wall alone."""
-        if self.part.curve.half_span > self.far + NEAR:
-            return cell
-        start, end = cell.side(self.part.across)
-        size = BEYOND * (end - start) + NEAR
-        side = (start, end + size) if self.sign > 0 else (start - size, end)
-        return replace(cell, x=side) if self.part.across == "x" else replace(cell, y=side)
-
-
-def _barrel(view: _View, reach: Cell) -> TopoDS_Shape:
+def _barrel(view: View, reach: Cell) -> TopoDS_Shape:
     part, (start, end) = view.part, reach.side("y" if view.part.across == "x" else "x")
     low = reach.low - part.base
-    bows = half_outline(part.curve, view.near, min(part.curve.half_span, view.far), low - part.crown_rise)
+    bows = half_outline(part.curve, view.near, view.far, low - part.crown_rise)
     if part.crown_rise:
         drop = min(0.0, part.lift(start), part.lift(end))  # beyond the vault its axis falls below the springing
         return domical(part, view.sign, bows, view.near, reach.low + drop, (start, end))

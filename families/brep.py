@@ -11,6 +11,7 @@ from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 from families.bodies import cut, union
 from families.cells import cuts
 from families.parts import Piece
+from families.reuse import Scene, made
 from families.sewing import faces, inner_points, sewn
 from families.vault import Vault
 
@@ -27,7 +28,7 @@ def void(vault: Vault) -> TopoDS_Shape:
     pieces, plan = vault.pieces(), vault.plan
     where = cuts(pieces, plan)
     cells = where.cells(plan.half_x, plan.half_y, 0.0, _top(pieces))
-    return sewn([body for cell in cells if (body := union(pieces, cell)) is not None], where)
+    return sewn(made([((pieces, cell),) for cell in cells], lambda scenes: union(*scenes[0])), where)
 
 
 def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
@@ -48,12 +49,13 @@ def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
     # What is taken away is longer than what is left, so that no faces coincide and the mouths of lunettes stay open.
     outer = where.cells(half_x, half_y, 0.0, top)
     inner = where.cells(half_x + thickness, half_y + thickness, -thickness, top)
-    bodies = []
-    for here, beyond in zip(outer, inner, strict=True):
-        whole, room = union(grown, here), union(pieces, beyond)
-        if whole is not None:
-            bodies.append(whole if room is None else cut(whole, room))
-    return sewn(bodies, where)
+    jobs = [((grown, here), (pieces, beyond)) for here, beyond in zip(outer, inner, strict=True)]
+    return sewn(made(jobs, _shell), where)
+
+
+def _shell(scenes: tuple[Scene, ...]) -> TopoDS_Shape | None:
+    whole, room = (union(*scene) for scene in scenes)
+    return whole if whole is None or room is None else cut(whole, room)
 
 
 def intrados(vault: Vault) -> build123d.Compound:

@@ -7,12 +7,13 @@ which keeps the intersections of OpenCASCADE quick and safe.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
 
 from families.parts import Ball, Barrel, Direction, Piece, Plan
 
 NEAR = 1e-6  # [m], cuts nearer than that are one
+BEYOND = 0.2  # how far, by its size, a body that is cut by others is made beyond its cell, so that no faces coincide
 
 
 @dataclass(frozen=True)
@@ -68,3 +69,48 @@ def _apart(places: list[float], half: float) -> tuple[float, ...]:
         if abs(place) < half - NEAR and (not kept or place - kept[-1] > NEAR):
             kept.append(place)
     return tuple(kept)
+
+
+@dataclass(frozen=True)
+class View:
+    """A barrel as a cell sees it: on one side of its axis, from u = near to u = far."""
+
+    part: Barrel
+    cell: Cell
+
+    @property
+    def sign(self) -> int:
+        """Side of the axis."""
+        start, end = self.cell.side(self.part.across)
+        return 1 if (start + end) / 2 > self.part.centre else -1
+
+    @property
+    def near(self) -> float:
+        """Distance of the cell from the axis [m]."""
+        near = min(self.sign * (place - self.part.centre) for place in self.cell.side(self.part.across))
+        return near if near > NEAR else 0.0
+
+    @property
+    def far(self) -> float:
+        """Distance of the wall or, if that comes first, of the cell's far side from the axis [m]."""
+        far = max(self.sign * (place - self.part.centre) for place in self.cell.side(self.part.across))
+        return far if far < self.part.curve.half_span - NEAR else self.part.curve.half_span
+
+    @property
+    def bounds(self) -> bool:
+        """Whether there is a profile on this side."""
+        return self.part.side in {0, self.sign}
+
+    @property
+    def outside(self) -> bool:
+        """Whether the cell lies behind the wall."""
+        return self.bounds and self.near > self.part.curve.half_span - NEAR
+
+    def widened(self, cell: Cell) -> Cell:
+        """The cell beyond the barrel's wall if that stands in it, so that other bodies are cut by the wall alone."""
+        if self.part.curve.half_span > self.far:
+            return cell
+        start, end = cell.side(self.part.across)
+        size = BEYOND * (end - start) + NEAR
+        side = (start, end + size) if self.sign > 0 else (start - size, end)
+        return replace(cell, x=side) if self.part.across == "x" else replace(cell, y=side)
