@@ -53,7 +53,7 @@ def _ply(path: Path, name: str) -> NDArray[Any]:
 
 def _npz(path: Path, name: str) -> NDArray[Any]:
     try:
-        with np.load(path) as arrays:
+        with path.open("rb") as file, np.load(file) as arrays:
             if name not in arrays:
                 raise _lacking(path, name, list(arrays))
             return np.asarray(arrays[name])

@@ -1,0 +1,114 @@
+"""From a scan to a folder with a model, through the program."""
+
+import json
+import shutil
+import subprocess
+import sys
+
+import laspy
+import numpy as np
+import pytest
+
+from segmentation import read
+from vaultcad.export.bundle import SEGMENTS, WRITERS
+from vaultcad.scanner import read_truth
+
+FILES = {SEGMENTS, *WRITERS}
+
+
+@pytest.fixture(scope="module")
+def fitted(room, tmp_path_factory):
+    """The folder of a fit that a process of its own made, and what it said."""
+    out = tmp_path_factory.mktemp("fit") / "new" / "sail"
+    command = [sys.executable, "-c", "import sys; from vaultcad.cli import main; sys.exit(main())"]
+    arguments = ["fit", room, "-o", out, "--family", "volta a vela", "--seed", "1", "--thickness", "0.2"]
+    done = subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True, timeout=500, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    return out, done.stdout
+
+
+def test_all_files_are_there_and_nothing_else(fitted):
+    out, _ = fitted
+    assert {path.name for path in out.iterdir()} == FILES
+    assert [path.name for path in out.parent.iterdir()] == [out.name]
+    assert all(path.stat().st_size > 0 for path in out.iterdir())
+
+
+def test_the_report_holds_the_vault_and_the_settings(fitted, room):
+    out, _ = fitted
+    report = json.loads((out / "report.json").read_text())
+    _, case = read_truth(room)
+    (vault,) = report["vaults"]
+    assert vault["family"] == "sail"
+    for name in ("span_x", "span_y"):
+        assert vault["parameters"][name]["value"] == pytest.approx(case["parameters"][name], abs=0.05)
+    assert report["scan"]["points"] == case["points"]
+    assert report["settings"]["seed"] == 1
+    assert report["thickness"] == 0.2
+
+
+def test_every_point_of_the_scan_is_labelled_where_it_was(fitted, room):
+    out, _ = fitted
+    found, scan = laspy.read(out / SEGMENTS), laspy.read(room)
+    assert np.array_equal(found.xyz, scan.xyz)
+    assert np.array_equal(found.intensity, scan.intensity)
+    assert [found[n].dtype.str[1:] for n in ("component", "vault", "deviation")] == ["u2", "u2", "f4"]
+    component = np.asarray(found.component)
+    assert np.array_equal(component > 0, np.isfinite(found.deviation))
+    assert np.array_equal(component > 0, np.asarray(found.vault) == 1)
+    truth, _ = read_truth(room)
+    assert np.mean((component > 0) == (truth > 0)) > 0.97
+
+
+def test_the_summary_says_what_was_found(fitted):
+    out, told = fitted
+    for part in ("sail vault", "confidence", "span_x", " ± ", "deviation", "coverage", str(out), "model.ifc"):
+        assert part in told
+
+
+def test_an_earlier_result_is_replaced_and_can_be_printed_as_json(run, fitted, room, tmp_path):
+    out = tmp_path / "again"
+    shutil.copytree(fitted[0], out)
+    (out / "model.step").write_text("old")
+    (out / "notes.txt").write_text("mine")
+    told = run("fit", room, "-o", out, "--family", "sail", "--json")
+    assert (told.code, told.err) == (0, "")
+    assert told.out == (out / "report.json").read_text()
+    assert (out / "model.step").read_text() != "old"
+    assert {path.name for path in out.iterdir()} == FILES | {"notes.txt"}
+
+
+def test_labels_are_judged_by_the_truth(run, fitted, room):
+    told = run("compare", fitted[0] / SEGMENTS, room.with_suffix(".truth.npz"), "--format", "json")
+    assert json.loads(told.out)["mean_iou"] > 0.9
+    assert run("compare", fitted[0] / SEGMENTS, room.with_suffix(".truth.npz"), "--format", "csv").out.count("\n") == 2
+
+
+def test_a_scan_and_its_truth_are_what_the_options_ask_for(run, tmp_path):
+    out = tmp_path / "room.ply"
+    told = run(
+        "scan", "vela", "--span-x", 4, "--points", 2e4, "--yaw", 30, "--no-lamp", "--origin", 10, 20, 30, "-o", out
+    )
+    assert (told.code, told.err) == (0, "")
+    labels, case = read_truth(out)
+    assert case["parameters"]["span_x"] == 4
+    assert case["pose"]["yaw_deg"] == pytest.approx(30)
+    assert case["pose"]["origin"][:2] == [10, 20]
+    assert case["settings"]["lamp"] is False
+    assert len(read(out)) == len(labels) == pytest.approx(2e4, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--noise", "1"], "--noise 1: lies outside what can be; give 0 to 0.05 m"),
+        (["--yaw", "720"], "--yaw 720: lies outside what can be; give -180 to 180°"),
+        (["--walls", "tents"], "walls = 'tents' is not one of 'walls', 'piers'"),
+        (["--origin", "1", "2", "x"], "--origin"),
+        (["--station-height", "3", "--wall-height", "1.2", "--rise", "0.9"], "station_height = 3 m"),
+    ],
+)
+def test_a_scan_that_cannot_be_is_refused(run, tmp_path, untouched, arguments, said):
+    assert untouched()
+    assert said in run("scan", "sail", *arguments, "-o", tmp_path / "a.laz").complaint
+    assert untouched()
