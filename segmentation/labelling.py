@@ -11,9 +11,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from segmentation.primitives_numeric import signed
+from segmentation.primitives_numeric import gradient
 from segmentation.ransac_cloud import WorkingCloud
-from segmentation.ransac_search import Shapes, measure
+from segmentation.ransac_search import Shapes, gaps
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -43,7 +43,7 @@ def regions(cloud: WorkingCloud, labels: Ints, components: Ints, shapes: Shapes)
     count = int(components.max(initial=0))
     owner = np.zeros(count + 1, dtype=np.int64)
     owner[components] = np.maximum(labels, 0)
-    distance = np.abs(measure(shapes, cloud.mean, cloud.normal)[0])
+    distance = np.abs(gaps(shapes, cloud.mean))
     differs = np.flatnonzero(components[cloud.tail] != components[cloud.head])
     tail, head = cloud.tail[differs], cloud.head[differs]
     pair = np.flatnonzero(components) * (count + 1) + components[components > 0]
@@ -74,7 +74,7 @@ def _around(cloud: WorkingCloud, cell: Ints, component: Ints) -> tuple[Ints, Int
 def _sides(cloud: WorkingCloud, labels: Ints, shapes: Shapes) -> Floats:
     """On which side of primitive b the points of a lie, (k, k), from cells near both."""
     side = np.zeros((len(shapes), len(shapes)))
-    distance, _ = measure(shapes, cloud.mean, cloud.normal)
+    distance = gaps(shapes, cloud.mean)
     reach = 6.0 * cloud.size
     for a in range(len(shapes)):
         mine = labels == a
@@ -139,7 +139,8 @@ def _index(keys: Ints, table: NDArray[np.int32]) -> None:
 
 @njit(cache=True, nogil=True)
 def _label(
-    xyz: NDArray[np.floating], labels: NDArray[np.uint16], scale: float, low: Ints, keys: Ints, table: NDArray[np.int32],
+    xyz: NDArray[np.floating], labels: NDArray[np.uint16],
+    scale: float, low: Ints, keys: Ints, table: NDArray[np.int32],
     candidates: Ints, owner: Ints, side: Floats, kinds: Ints, rows: Floats, epsilon: float,
     ends: Ints, head: Ints, raw: Floats, components: Ints, count: Ints, square: Floats,
 ) -> None:  # fmt: skip
@@ -168,7 +169,7 @@ def _label(
             if best > 0 and owner[best] == p:
                 shared = True
                 continue
-            d = signed(kinds[p], rows[p], x, y, z)
+            d, _, _, _ = gradient(kinds[p], rows[p], x, y, z)
             if abs(d) > epsilon:
                 continue
             if best > 0:

@@ -27,30 +27,6 @@ Floats = NDArray[np.float64]
 
 
 @njit(cache=True, nogil=True)
-def signed(kind: int, row: Floats, x: float, y: float, z: float) -> float:
-    """Signed distance [m] of one point."""
-    x -= row[0]
-    y -= row[1]
-    z -= row[2]
-    if kind == PLANE:
-        return float(x * row[3] + y * row[4] + z * row[5])
-    square = x * x + y * y + z * z
-    first, second = float(row[6]), float(row[7])
-    if kind == SPHERE:
-        return math.sqrt(square) - first
-    height = x * row[3] + y * row[4] + z * row[5]
-    radial = math.sqrt(max(square - height * height, 0.0))
-    if kind == CYLINDER:
-        return radial - first
-    if kind == CONE:
-        c, s = math.cos(first), math.sin(first)
-        if height * c + radial * s < 0.0:
-            return math.sqrt(square)
-        return radial * c - float(height) * s
-    return math.hypot(radial - first, height) - second
-
-
-@njit(cache=True, nogil=True)
 def gradient(kind: int, row: Floats, x: float, y: float, z: float) -> tuple[float, float, float, float]:
     """Signed distance [m] of one point and the unit normal there; the normal is zero where there is none (a centre, an
     axis).
@@ -105,11 +81,9 @@ def residuals(
     """
     for k in range(len(kinds)):
         for i in range(len(xyz)):
-            if len(normals) == 0:
-                distance[k, i] = signed(kinds[k], rows[k], xyz[i, 0], xyz[i, 1], xyz[i, 2])
-            else:
-                d, a, b, c = gradient(kinds[k], rows[k], xyz[i, 0], xyz[i, 1], xyz[i, 2])
-                distance[k, i] = d
+            d, a, b, c = gradient(kinds[k], rows[k], xyz[i, 0], xyz[i, 1], xyz[i, 2])
+            distance[k, i] = d
+            if len(normals) > 0:
                 cosine[k, i] = abs(a * normals[i, 0] + b * normals[i, 1] + c * normals[i, 2])
 
 

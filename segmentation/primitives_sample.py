@@ -26,7 +26,8 @@ def _length(a: Floats) -> Floats:
     return length
 
 
-def _cross(a: Floats, b: Floats) -> Floats:
+def cross(a: Floats, b: Floats) -> Floats:
+    """Vector products (..., 3), several times as quick as numpy's on short arrays."""
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
     u, v, w = b[..., 0], b[..., 1], b[..., 2]
     return np.stack((y * w - z * v, z * u - x * w, x * v - y * u), axis=-1)
@@ -55,7 +56,7 @@ def _line_meeting(p: Floats, u: Floats, q: Floats, v: Floats) -> tuple[Floats, F
 
 def _plane(p: Floats, n: Floats) -> Rows:
     a, b = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
-    normal = _cross(a, b)
+    normal = cross(a, b)
     length = _length(normal)
     whole = length > 1e-3 * np.maximum(_dot(a, a), _dot(b, b))
     return _rows(p.mean(axis=1), normal / np.where(whole, length, 1.0)[:, None]), whole
@@ -69,7 +70,7 @@ def _sphere(p: Floats, n: Floats) -> Rows:
 
 
 def _cylinder(p: Floats, n: Floats) -> Rows:
-    axis = _cross(n[:, 0], n[:, 1])
+    axis = cross(n[:, 0], n[:, 1])
     length = _length(axis)
     axis = axis / np.where(length > 0.0, length, 1.0)[:, None]
     offset = _dot(p[:, 1] - p[:, 0], axis)[:, None] * axis
@@ -81,7 +82,7 @@ def _cylinder(p: Floats, n: Floats) -> Rows:
 
 
 def _cone(p: Floats, n: Floats) -> Rows:
-    planes = np.stack((_cross(n[:, 1], n[:, 2]), _cross(n[:, 2], n[:, 0]), _cross(n[:, 0], n[:, 1])), axis=1)
+    planes = np.stack((cross(n[:, 1], n[:, 2]), cross(n[:, 2], n[:, 0]), cross(n[:, 0], n[:, 1])), axis=1)
     det = _dot(n[:, 0], planes[:, 0])
     whole = np.abs(det) > 1e-4
     apex = (_dot(n, p)[..., None] * planes).sum(axis=1) / np.where(whole, det, 1.0)[:, None]
@@ -89,7 +90,7 @@ def _cone(p: Floats, n: Floats) -> Rows:
     lengths = _length(rays)
     whole &= (lengths > 1e-9).all(axis=1)
     rays = rays / np.where(lengths > 0.0, lengths, 1.0)[..., None]
-    axis = _cross(rays[:, 1] - rays[:, 0], rays[:, 2] - rays[:, 0])
+    axis = cross(rays[:, 1] - rays[:, 0], rays[:, 2] - rays[:, 0])
     length = _length(axis)
     whole &= length > 1e-6
     axis = axis / np.where(length > 0.0, length, 1.0)[:, None]
@@ -106,8 +107,8 @@ def _torus(p: Floats, n: Floats) -> Rows:
 
     def transversal(s: Floats) -> tuple[Floats, Floats, Floats]:
         x = p[:, 0] + s[:, None] * step
-        sides = [_cross(x - p[:, i], n[:, i]) for i in (1, 2, 3)]
-        axis = _cross(sides[0], sides[1])
+        sides = [cross(x - p[:, i], n[:, i]) for i in (1, 2, 3)]
+        axis = cross(sides[0], sides[1])
         return x, axis, _dot(axis, sides[2])
 
     low, mid, high = (transversal(np.full(len(p), s))[2] for s in (-1.0, 0.0, 1.0))

@@ -15,7 +15,7 @@ from segmentation.labelling import label_points, regions
 from segmentation.primitives import PRIMITIVES, Primitive
 from segmentation.ransac_cloud import WorkingCloud, working_cloud
 from segmentation.ransac_joint import cost, refine_jointly, select, winners
-from segmentation.ransac_search import DRAWS, EMPTY, Shapes, draws_needed, measure, search_round
+from segmentation.ransac_search import DRAWS, EMPTY, Shapes, draws_needed, gaps, search_round
 from segmentation.settings import Settings
 from segmentation.split import split
 
@@ -135,7 +135,7 @@ def _unexplained(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> Int
         return np.arange(len(cloud))
     price = cost(shapes, cloud.mean, cloud.normal, cloud.epsilon, math.cos(settings.alpha))
     label = winners(price)
-    distance, _ = measure(shapes, cloud.mean, cloud.normal)
+    distance = gaps(shapes, cloud.mean)
     beside = np.flatnonzero((label[cloud.tail] < 0) & (label[cloud.head] >= 0))
     tail, owner = cloud.tail[beside], label[cloud.head[beside]]
     label[tail[np.abs(distance[owner, tail]) < max(cloud.epsilon, 0.5 * cloud.size)]] = 0
@@ -150,7 +150,7 @@ def _sharpened(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> tuple
     epsilon, extent = cloud.epsilon, float(np.ptp(cloud.raw, axis=0).max())
     shapes, labels = refine_jointly(shapes, cloud.raw, cloud.normal, epsilon, settings)
     while len(shapes) and (labels >= 0).any():
-        distance, _ = measure(shapes, cloud.raw, cloud.normal)
+        distance = gaps(shapes, cloud.raw)
         own = np.abs(distance[labels[labels >= 0], np.flatnonzero(labels >= 0)])
         narrower = max(NOISE_BAND * 1.4826 * float(np.median(own)), 1e-4 * extent, epsilon / 4.0)
         if narrower > 0.7 * epsilon:
@@ -168,7 +168,7 @@ def _settled(shapes: Shapes, labels: Ints, cloud: WorkingCloud, margin: float) -
     Along edges, and in the slivers between them, estimated normals are of no surface: there only distance and
     neighbours count.
     """
-    gap = np.abs(measure(shapes, cloud.raw, cloud.normal)[0])
+    gap = np.abs(gaps(shapes, cloud.raw))
     gap[gap > cloud.epsilon] = math.inf
     labels = labels.copy()
     own = np.where(labels >= 0, gap[labels, np.arange(len(cloud))] - margin, math.inf)

@@ -13,7 +13,19 @@ import numpy as np
 from segmentation.primitives_numeric import PLANE
 from segmentation.primitives_sample import MINIMAL_SETS
 from segmentation.ransac_cloud import WorkingCloud
-from segmentation.ransac_search import EMPTY, Floats, Ints, Shapes, measure, polish, sizes_of, spread, support, through
+from segmentation.ransac_search import (
+    EMPTY,
+    Floats,
+    Ints,
+    Shapes,
+    gaps,
+    measure,
+    polish,
+    sizes_of,
+    spread,
+    support,
+    through,
+)
 from segmentation.refine import least_squares
 from segmentation.settings import Settings
 
@@ -23,6 +35,7 @@ FIT_POINTS = 8000  # points that decide the primitives; the labels are for all
 CHOICE_POINTS = 6000
 SIMPLER = 0.02  # share of what a primitive explains that one with fewer parameters may leave
 NEAR = 10.0  # bands that two primitives may differ by, on average over one's points, to be worth merging
+PROMISING = 0.5  # share of a primitive's points that the first guess of a simpler one has to explain
 TRIALS = 64  # minimal sets that look for a simpler primitive
 
 
@@ -135,7 +148,7 @@ class _Choice:
     def merged(self, shapes: Shapes) -> Shapes | None:
         """With one primitive in place of the first two of a kind that explain as much but for its price."""
         share = self.share(shapes)
-        gap = np.abs(measure(shapes, self.xyz, self.normals)[0])
+        gap = np.abs(gaps(shapes, self.xyz))
         won = (share > 0.0) & (share >= share.max(axis=0, initial=0.0))
         across = (won @ np.minimum(gap, 2.0 * NEAR * self.epsilon).T) / np.maximum(won.sum(axis=1), 1)[:, None]
         near = (np.minimum(across, across.T) < NEAR * self.epsilon) & (shapes.kinds == shapes.kinds[:, None])
@@ -168,5 +181,7 @@ class _Choice:
         total = support(drawn, self.xyz[few], self.normals[few], self.epsilon, math.cos(self.settings.alpha)).sum(
             axis=1
         )
+        if total.max(initial=0.0) < PROMISING * len(few):
+            return Shapes(*EMPTY)
         best = drawn.take(np.argsort(-total, kind="stable")[:3])
         return polish(best, self.xyz[few], self.normals[few], self.epsilon, self.settings)

@@ -54,6 +54,13 @@ def measure(shapes: Shapes, xyz: Floats, normals: Floats) -> tuple[Floats, Float
     return distance, np.where(np.isnan(cosine), 1.0, cosine)
 
 
+def gaps(shapes: Shapes, xyz: Floats) -> Floats:
+    """Signed distances (k, n) [m] alone, which is quicker."""
+    distance = np.empty((len(shapes), len(xyz)))
+    residuals(shapes.kinds, shapes.rows, xyz, np.empty((0, 3)), distance, np.empty((0, 0)))
+    return distance
+
+
 def support(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, cos_alpha: float) -> Floats:
     """How well each primitive explains each point, (k, n) in [0, 1]: 1 within epsilon / 2, falling to 0 at epsilon, 0
     beyond alpha.
@@ -94,15 +101,15 @@ def search_round(
     finalists = hypotheses.take(greedy(share, 1.0, FINALISTS))
     finalists = polish(finalists, xyz[many], normals[many], epsilon, settings)
     share = support(finalists, xyz, normals, epsilon, cos_alpha)
-    share[~_stand_out(finalists, share, xyz, normals, epsilon)] = 0.0
+    share[~_stand_out(finalists, share, xyz, epsilon)] = 0.0
     return finalists.take(greedy(share, floor, len(finalists)))
 
 
-def _stand_out(shapes: Shapes, share: Floats, xyz: Floats, normals: Floats, epsilon: float) -> NDArray[np.bool_]:
+def _stand_out(shapes: Shapes, share: Floats, xyz: Floats, epsilon: float) -> NDArray[np.bool_]:
     """Which primitives (k,) are surfaces: more cells lie on them than beside them. Within a volume of points, more lie
     beside.
     """
-    distance = np.abs(measure(shapes, xyz, normals)[0])
+    distance = np.abs(gaps(shapes, xyz))
     beside = (distance > epsilon) & (distance <= 3.0 * epsilon)
     surfaces: NDArray[np.bool_] = (share > 0.0).sum(axis=1) > beside.sum(axis=1)
     return surfaces

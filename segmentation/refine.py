@@ -15,6 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from segmentation.primitives_numeric import CONE, CYLINDER, PLANE, TORUS, Floats, gradient
+from segmentation.primitives_sample import cross
 
 _UNKNOWNS = 8  # translation, rotation, first size, second size
 Ints = NDArray[np.int64]
@@ -95,7 +96,7 @@ def _move(kinds: Ints, rows: Floats, steps: Floats, pivots: Floats, scales: Floa
 
     def rotated(v: Floats) -> Floats:  # Rodrigues' formula
         along = (axis * v).sum(axis=1)[:, None] * axis
-        turned: Floats = along + np.cos(angle) * (v - along) + np.sin(angle) * np.cross(axis, v)
+        turned: Floats = along + np.cos(angle) * (v - along) + np.sin(angle) * cross(axis, v)
         return turned
 
     out = rows.copy()
