@@ -125,7 +125,9 @@ def _turned(curve: Curve, base: float, foot: float, cell: Cell) -> TopoDS_Shape:
     """A curve turned about z, down to `foot`: a whole turn, or the quarter in which the cell lies."""
     low = foot - base
     bows = half_outline(curve, 0.0, curve.half_span, low)
-    outline: list[Point | Bow] = [(0.0, low), (bows[0].at(bows[0].start)[0], low), *bows]
+    wall = bows[0].at(bows[0].start)[0]
+    springing = [(wall, 0.0)] if low < -TOUCH else []  # where the drum ends, though a stilt goes on
+    outline: list[Point | Bow] = [(0.0, low), (wall, low), *springing, *bows]
     face, axis = sketch(outline, Upright("x", 0.0, 0.0, base, 1)), gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
     corner = sum(cell.x) > 0, sum(cell.y) > 0
     if cell.x[0] < 0 < cell.x[1]:

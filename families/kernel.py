@@ -75,6 +75,7 @@ def _ellipse(u: float, z: float, a: float, b: float) -> tuple[float, float, floa
 
     Newton from the left on the convex function of Eberly, "Distance from a point to an ellipse" (2013).
     """
+    u, z = max(u, 1e-12 * a), max(z, 1e-12 * b)  # on an axis the first step would divide by zero
     t = max(-a * a + a * u, -b * b + b * z)
     for _ in range(60):
         ru, rz = a * u / (t + a * a), b * z / (t + b * b)

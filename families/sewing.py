@@ -43,8 +43,8 @@ def inner_points(shapes: list[TopoDS_Face]) -> NDArray[np.float64]:
     return points / MM
 
 
-def sewn(bodies: Iterable[TopoDS_Shape], cuts: Cuts) -> TopoDS_Shape:
-    """One solid, or a compound of solids, of bodies that touch in the planes of the cuts."""
+def sewn(bodies: Iterable[TopoDS_Shape], cuts: Cuts) -> TopoDS_Compound:
+    """A compound of one solid, or more if they lie apart, of bodies that touch in the planes of the cuts."""
     sewing = BRepBuilderAPI_Sewing(MM * SEAM)
     for body in bodies:
         found = list(faces(body))
@@ -59,8 +59,6 @@ def sewn(bodies: Iterable[TopoDS_Shape], cuts: Cuts) -> TopoDS_Shape:
         BRepLib.OrientClosedSolid_s(solid)
         solids.append(solid)
         explorer.Next()
-    if len(solids) == 1:
-        return solids[0]
     compound, builder = TopoDS_Compound(), BRep_Builder()
     builder.MakeCompound(compound)
     for solid in solids:

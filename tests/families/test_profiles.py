@@ -1,3 +1,4 @@
+from itertools import pairwise
 from math import acos, cos, hypot, pi, sqrt
 
 import numpy as np
@@ -38,7 +39,7 @@ def test_a_profile_springs_at_the_half_span_and_ends_at_its_rise(arch, S):
 @given(profiles(), SPANS)
 def test_arcs_pass_into_each_other_without_a_kink(arch, S):
     bows = half_outline(arch.curve(S), 0.0, S, 0.0)
-    for below, above in zip(bows, bows[1:], strict=False):
+    for below, above in pairwise(bows):
         assert below.at(below.end) == pytest.approx(above.at(above.start), abs=1e-9 * S)
         assert below.end == pytest.approx(above.start, abs=1e-7)
 

@@ -1,6 +1,9 @@
-"""Vaults that between them show every family, profile and kind of junction."""
+"""Vaults for the arguments `any_vault` (every family, profile and kind of junction) and `default_vault` of tests."""
+
+import pytest
 
 from families import (
+    FAMILIES,
     PROFILES,
     Barrel,
     BasketHandle,
@@ -49,8 +52,21 @@ SPECIAL: tuple[Vault, ...] = (
 )
 
 
+GROUPS: dict[str, tuple[Vault, ...]] = {
+    "default_vault": tuple(family() for family in FAMILIES),
+    "any_vault": (*(family() for family in FAMILIES), *OF_EVERY_PROFILE, *SPECIAL),
+    "special_vault": SPECIAL,
+}
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """A test with an argument of `GROUPS` runs on each of its vaults."""
+    for argument in GROUPS.keys() & set(metafunc.fixturenames):
+        metafunc.parametrize(argument, GROUPS[argument], ids=name)
+
+
 def name(vault: Vault) -> str:
-    """Family and what differs from its defaults, for the names of tests."""
+    """Family and what differs from its defaults."""
     default, values = type(vault)().values(), vault.values()
-    changed = [f"{key}={value:g}" for key, value in values.items() if default.get(key) != value]
-    return "-".join([vault.id, *(getattr(vault, f).id for f in ("profile", "profile_x") if hasattr(vault, f)), *changed])
+    profiles = [getattr(vault, field).id for field in ("profile", "profile_x") if hasattr(vault, field)]
+    return "-".join([vault.id, *profiles, *(f"{k}={v:g}" for k, v in values.items() if default.get(k) != v)])
