@@ -71,8 +71,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
     try:
         code = get_command(app).main(args=given, prog_name=NAME, standalone_mode=False)
-    except (typer.TyperException, InputError, ReadError, VaultcadError) as error:
-        return _complain(error.format_message() if isinstance(error, typer.TyperException) else str(error), WRONG)
+    except typer.TyperException as error:
+        return _complain(_usage(error), WRONG)
+    except (InputError, ReadError, VaultcadError) as error:
+        return _complain(str(error), WRONG)
     except OSError as error:
         return _complain(_os_error(error), WRONG)
     except MemoryError:
@@ -91,6 +93,13 @@ def _complain(message: str, code: int) -> int:
     """One line on standard error, whatever the message."""
     print(f"{NAME}: {' '.join(message.split())}", file=sys.stderr)  # noqa: T201  # this is the terminal
     return code
+
+
+def _usage(error: typer.TyperException) -> str:
+    """What typer says of a command that makes no sense to it, and where to read how it is meant."""
+    said = error.format_message().replace("Value error, ", "").rstrip(".")
+    context = getattr(error, "ctx", None)
+    return f"{said}; see {context.command_path if context else NAME} --help"
 
 
 def _os_error(error: OSError) -> str:

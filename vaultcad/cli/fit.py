@@ -15,6 +15,7 @@ from vaultcad.cli.options import Bounds, Seed, number_info, single
 from vaultcad.cli.outputs import check_folder
 from vaultcad.cli.status import status
 
+STAGES = ("reading", "thinning", "recognising", "fitting", "labelling", "measuring", "writing")
 Thickness = Annotated[float, number_info("thickness", Bounds(0.01, 5, "m", "of the masonry, which no scan shows"))]
 
 
@@ -45,7 +46,7 @@ def fit(
 
     from segmentation.io import read, write_labelled
 
-    with status(("reading", "thinning", "recognising", "fitting", "labelling", "measuring", "writing")) as bar:
+    with status(STAGES) as bar:
         bar.stage("reading")
         cloud = read(scan, up=up, progress=bar.share)
 

@@ -12,35 +12,38 @@ import typer
 from families import Vault
 from vaultcad.cli.errors import refusing
 from vaultcad.cli.family import FamilyGroup, vault_of
-from vaultcad.cli.options import Option, Seed, number
+from vaultcad.cli.options import Bounds, Option, Seed, number, read
 from vaultcad.cli.outputs import check_file
 from vaultcad.scanner.settings import ScannerSettings
 
 SUFFIXES = (".laz", ".las", ".e57", ".ply")
 PANEL = "Room and scanner"
-OTHERS = {
-    "walls": (str, 'what the vault stands on: "walls", or "piers", open on all sides; default walls', "KIND"),
-    "lamp": (bool, "a lamp hangs from the crown; default yes", None),
-    "cornice": (bool, "a cornice runs along the springing; default no", None),
-    "scaffold": (bool, "a scaffold stands in the room; default no", None),
-    "crop": (bool, "keep only the vault and what is just below its springing; default no", None),
-    "origin": (
+PLACE = Bounds(-1e8, 1e8, "m", "coordinate of the origin")
+OTHERS = (
+    Option("walls", str, "what the vault stands on: walls, or piers, open on all sides; default walls", "KIND", PANEL),
+    Option("lamp", bool, "a lamp hangs from the crown; default yes", panel=PANEL),
+    Option("cornice", bool, "a cornice runs along the springing; default no", panel=PANEL),
+    Option("scaffold", bool, "a scaffold stands in the room; default no", panel=PANEL),
+    Option("crop", bool, "keep only the vault and what is just below its springing; default no", panel=PANEL),
+    Option(
+        "origin",
         tuple[float, float, float],
         "floor under the middle of the plan, in file coordinates; default 0 0 0",
         "X Y Z",
+        PANEL,
+        lambda text: read(text, "origin", PLACE),
     ),
-}
-"""The settings that are no declared numbers: type, help, metavar."""
+)
+"""The settings that are no declared numbers."""
 
 
 def command() -> Any:
     """The command for the program."""
     default = ScannerSettings()
     values = default.values()
-    further = [
-        number(p.name, p.range, values[p.name], integer=p.integer, panel=PANEL) for p in default.parameters()
-    ] + [Option(name, kind, text, metavar, PANEL) for name, (kind, text, metavar) in OTHERS.items()]
-    return FamilyGroup("scan", "Scan a vault in a room virtually; the truth goes beside it.", scan, further)
+    numbers = [number(p.name, p.range, values[p.name], integer=p.integer, panel=PANEL) for p in default.parameters()]
+    help = "Scan a vault in a room virtually; the truth goes beside it."
+    return FamilyGroup("scan", help, scan, [*numbers, *OTHERS])
 
 
 def scan(
@@ -58,7 +61,7 @@ def scan(
     from vaultcad.scanner import scan as shoot
     from vaultcad.scanner import write_scan
 
-    with refusing():
+    with refusing():  # it says so where the settings do not suit the vault
         virtual = shoot(vault, settings, rng=np.random.default_rng(seed))
     truth = write_scan(virtual, out)
     typer.echo(f"{len(virtual):,} points of a {vault.title}: {out}; its truth: {truth}")

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from segmentation import read
+from vaultcad import pipeline
+from vaultcad.cli.fit import STAGES
 from vaultcad.export.bundle import SEGMENTS, WRITERS
 from vaultcad.scanner import read_truth
 
@@ -25,6 +27,10 @@ def fitted(room, tmp_path_factory):
     done = subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True, timeout=500, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     return out, done.stdout
+
+
+def test_the_bar_knows_the_stages_of_the_pipeline():
+    assert STAGES[1:-1] == pipeline.STAGES
 
 
 def test_all_files_are_there_and_nothing_else(fitted):
@@ -104,7 +110,7 @@ def test_a_scan_and_its_truth_are_what_the_options_ask_for(run, tmp_path):
         (["--noise", "1"], "--noise 1: lies outside what can be; give 0 to 0.05 m"),
         (["--yaw", "720"], "--yaw 720: lies outside what can be; give -180 to 180°"),
         (["--walls", "tents"], "walls = 'tents' is not one of 'walls', 'piers'"),
-        (["--origin", "1", "2", "x"], "--origin"),
+        (["--origin", "1", "2", "x"], "--origin x: is no number; give -1e+08 to 1e+08 m"),
         (["--station-height", "3", "--wall-height", "1.2", "--rise", "0.9"], "station_height = 3 m"),
     ],
 )

@@ -110,3 +110,19 @@ def test_errors_of_the_system_are_one_line(run, monkeypatch, error, said):
 
     monkeypatch.setattr(app, "import_module", failing)
     assert said in run("doctor").complaint
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["fot"], "No such command 'fot'. Did you mean 'fit'?; see vaultcad --help"),
+        (["--fit"], "No such option: --fit"),
+        (["fit"], "Missing argument 'scan'; see vaultcad fit --help"),
+        (["ideal"], "see vaultcad ideal --help"),
+        (["ideal", "sail"], "Missing option '--out' / '-o'; see vaultcad ideal sail --help"),
+        (["fit", "scan.laz", "-o", "out", "--up", "x"], "'x' is not one of 'z', 'y'; see vaultcad fit --help"),
+        (["scan", "sail", "--origin", "1"], "--origin"),
+    ],
+)
+def test_a_command_that_makes_no_sense_is_answered_with_where_to_read_on(run, arguments, said):
+    assert said in run(*arguments).complaint
