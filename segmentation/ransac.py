@@ -15,6 +15,7 @@ from segmentation.labelling import label_points, regions
 from segmentation.primitives import PRIMITIVES, Primitive
 from segmentation.ransac_cloud import WorkingCloud, working_cloud
 from segmentation.ransac_joint import cost, refine_jointly, select, winners
+from segmentation.ransac_labels import sharpened
 from segmentation.ransac_search import DRAWS, EMPTY, Shapes, draws_needed, gaps, search_round
 from segmentation.settings import Settings
 from segmentation.split import split
@@ -24,10 +25,6 @@ Ints = NDArray[np.int64]
 Progress = Callable[[str, int], None]
 
 ROUNDS = 60
-LEAST_CELLS = 20.0  # what a primitive has to explain in any case
-NOISE_BAND = 6.0  # standard deviations
-SWEEPS = 30  # cells that a label may run along an edge
-PRICE = 0.5  # of a primitive in the choice, in minimum supports: half of its points may lie near epsilon
 
 
 @dataclass(frozen=True)
@@ -84,7 +81,7 @@ def detect(
         return Segments((), np.zeros(len(xyz), dtype=np.uint16), settings.epsilon or 0.0)
     shapes = _find(cloud, settings, rng, tell)
     tell("refinement", len(shapes))
-    shapes, labels = _sharpened(shapes, cloud, settings)
+    shapes, labels = sharpened(shapes, cloud, settings)
     components = split(cloud, labels)
     tell("labelling", len(shapes))
     found = regions(cloud, labels, components, shapes)
@@ -106,7 +103,7 @@ def _find(cloud: WorkingCloud, settings: Settings, rng: np.random.Generator, tel
     """Rounds of search among what is unexplained, each kept if it lowers the global criterion after joint refinement
     and choice.
     """
-    shapes, price = Shapes(*EMPTY), max(PRICE * cloud.min_points * len(cloud) / int(cloud.count.sum()), LEAST_CELLS)
+    shapes, price = Shapes(*EMPTY), cloud.price
     active, draws = np.arange(len(cloud)), 0
     for _ in range(ROUNDS):
         if len(active) < max(price, 4.0) or draws > draws_needed(
@@ -140,50 +137,3 @@ def _unexplained(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> Int
     tail, owner = cloud.tail[beside], label[cloud.head[beside]]
     label[tail[np.abs(distance[owner, tail]) < max(cloud.epsilon, 0.5 * cloud.size)]] = 0
     return np.flatnonzero(label < 0)
-
-
-def _sharpened(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> tuple[Shapes, Ints]:
-    """Joint refinement on true points in ever narrower bands, down to their noise, and the labels (m,) of the cells.
-
-    Where two primitives touch without crossing, a wide band leaves it open which one a point belongs to.
-    """
-    epsilon, extent = cloud.epsilon, float(np.ptp(cloud.raw, axis=0).max())
-    shapes, labels = refine_jointly(shapes, cloud.raw, cloud.normal, epsilon, settings)
-    while len(shapes) and (labels >= 0).any():
-        distance = gaps(shapes, cloud.raw)
-        own = np.abs(distance[labels[labels >= 0], np.flatnonzero(labels >= 0)])
-        narrower = max(NOISE_BAND * 1.4826 * float(np.median(own)), 1e-4 * extent, epsilon / 4.0)
-        if narrower > 0.7 * epsilon:
-            break
-        epsilon = narrower
-        shapes, _ = refine_jointly(shapes, cloud.raw, cloud.normal, epsilon, settings)
-        labels = winners(cost(shapes, cloud.raw, cloud.normal, cloud.epsilon, math.cos(settings.alpha)))
-    return shapes, _settled(shapes, labels, cloud, epsilon) if len(shapes) else labels
-
-
-def _settled(shapes: Shapes, labels: Ints, cloud: WorkingCloud, margin: float) -> Ints:
-    """Labels after cells went over to a neighbour's primitive that is nearer by `margin`, or to any within epsilon if
-    they had none.
-
-    Along edges, and in the slivers between them, estimated normals are of no surface: there only distance and
-    neighbours count.
-    """
-    gap = np.abs(gaps(shapes, cloud.raw))
-    gap[gap > cloud.epsilon] = math.inf
-    labels = labels.copy()
-    own = np.where(labels >= 0, gap[labels, np.arange(len(cloud))] - margin, math.inf)
-    edges = np.flatnonzero(labels[cloud.tail] != labels[cloud.head])
-    for _ in range(SWEEPS):
-        edges = edges[labels[cloud.head[edges]] >= 0]
-        offer, taker = labels[cloud.head[edges]], cloud.tail[edges]
-        theirs = gap[offer, taker]
-        better = np.flatnonzero((theirs < own[taker]) & (offer != labels[taker]))
-        if len(better) == 0:
-            break
-        order = better[np.lexsort((offer[better], theirs[better], taker[better]))]
-        first = order[np.concatenate(([True], np.diff(taker[order]) > 0))]
-        labels[taker[first]], own[taker[first]] = offer[first], theirs[first] - margin
-        moved = np.zeros(len(cloud), dtype=np.bool_)
-        moved[taker[first]] = True
-        edges = np.flatnonzero(moved[cloud.head] & (labels[cloud.tail] != labels[cloud.head]))
-    return labels

@@ -20,6 +20,8 @@ NORMAL_NEIGHBOURS = 12
 NEIGHBOURS = 3  # cells of a surface touch so many others at least, or one that does; strays and lines do not
 SPARSE = 0.1  # cells with less than this share of the usual number of points say nothing about the size of the cloud
 MISFIT = 1 / 400  # masonry departs from its ideal by this share of its size; epsilon allows that
+PRICE = 0.5  # of a primitive, in minimum supports: half of its points may lie near epsilon
+LEAST_CELLS = 20.0
 STEPS = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1], indexing="ij"), axis=-1).reshape(-1, 3)
 
 
@@ -46,6 +48,11 @@ class WorkingCloud:
 
     def __len__(self) -> int:
         return len(self.mean)
+
+    @property
+    def price(self) -> float:
+        """Cells that a primitive has to explain, which nothing else does, to be worth having."""
+        return max(PRICE * self.min_points * len(self) / int(self.count.sum()), LEAST_CELLS)
 
 
 def working_cloud(

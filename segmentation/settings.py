@@ -28,7 +28,7 @@ class Settings:
 
     min_support: Annotated[
         float, Range(0.0, math.inf, "1", "points a component needs; below 1 their share of the cloud")
-    ] = 0.004
+    ] = 0.002
     epsilon: Annotated[float | None, Range(1e-6, 10.0, "m", "largest distance of a point from its primitive")] = None
     alpha: Annotated[
         float, Range(0.01, math.pi / 2, "rad", "largest angle between the normals of a point and its primitive")

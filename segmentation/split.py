@@ -49,22 +49,25 @@ def split(cloud: WorkingCloud, labels: Ints) -> Ints:
 
 
 def _components(cloud: WorkingCloud, labels: Ints, among: NDArray[np.bool_], smallest: float) -> Ints:
-    """Connected components (m,) of the cells `among` (m,) with equal labels and `smallest` points; 0 for none."""
+    """Connected regions (m,) of the cells `among` (m,) with equal labels and `smallest` points; 0 for none."""
+    region = connected(cloud, labels, among)
+    large = np.bincount(region, weights=cloud.count) >= smallest
+    large[0] = False
+    return (np.cumsum(large) * large)[region]
+
+
+def connected(cloud: WorkingCloud, labels: Ints, among: NDArray[np.bool_]) -> Ints:
+    """Connected regions (m,) of the cells `among` (m,) with equal labels, counted from 1; 0 for the others."""
     size = len(labels)
     if not among.any():
         return np.zeros(size, dtype=np.int64)
     group = np.where(among, labels, -1)
-    joined = np.flatnonzero(
-        (group[cloud.tail] == group[cloud.head]) & (group[cloud.tail] >= 0) & (cloud.tail < cloud.head)
+    joined = (group[cloud.tail] == group[cloud.head]) & (group[cloud.tail] >= 0) & (cloud.tail < cloud.head)
+    pairs = cloud.tail[joined], cloud.head[joined]
+    _, region = connected_components(
+        csr_array((np.ones(len(pairs[0]), np.int8), pairs), shape=(size, size)), directed=False
     )
-    graph = csr_array(
-        (np.ones(len(joined), dtype=np.int8), (cloud.tail[joined], cloud.head[joined])), shape=(size, size)
-    )
-    _, component = connected_components(graph, directed=False)
-    points = np.bincount(component, weights=cloud.count * among)
-    large = (points >= smallest) & (points > 0.0)
-    number = np.cumsum(large) * large
-    return np.where(among, number[component], 0)
+    return np.where(among, np.asarray(region, dtype=np.int64) + 1, 0)
 
 
 def _grow(cloud: WorkingCloud, labels: Ints, cores: Ints) -> Ints:
