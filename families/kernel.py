@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import inf, sqrt
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
 from families.parts import Ball, Barrel, Ceiling, Lid, Part, Piece, Plan, Turned
@@ -69,7 +69,11 @@ def _curve(curve: Curve) -> list[float]:
     return [curve.half_span, curve.rise, curve.stilt, float(len(curve.arcs)), *arcs, *[0.0] * (6 - len(arcs))]
 
 
-@njit(cache=True)
+# Serial, as an optimiser calls it thousands of times on a few thousand points; threads may share a large cloud.
+compiled = njit(cache=True, nogil=True, error_model="numpy")
+
+
+@compiled
 def _ellipse(u: float, z: float, a: float, b: float) -> tuple[float, float, float]:
     """Signed distance of (u, z), both >= 0, to the ellipse of half axes a, b, and its normal.
 
@@ -91,7 +95,7 @@ def _ellipse(u: float, z: float, a: float, b: float) -> tuple[float, float, floa
     return (u - eu) * nu + (z - ez) * nz, nu, nz
 
 
-@njit(cache=True)
+@compiled
 def _profile(u: float, z: float, part: Array) -> tuple[float, float, float]:
     """Signed distance of (u, z), u >= 0, to a curve with a wall below its springing; normal (nu, nz)."""
     wall = u - part[HALF_SPAN]
@@ -113,7 +117,7 @@ def _profile(u: float, z: float, part: Array) -> tuple[float, float, float]:
     return arc, du / size, dz / size
 
 
-@njit(cache=True)
+@compiled
 def _body(x: float, y: float, z: float, part: Array) -> tuple[float, float, float, float]:
     """Signed distance and normal of a point to one body; -inf where the body says nothing."""
     kind = part[KIND]
@@ -157,7 +161,7 @@ def _body(x: float, y: float, z: float, part: Array) -> tuple[float, float, floa
     return z - part[BASE], 0.0, 0.0, 1.0
 
 
-@njit(cache=True)
+@compiled
 def _name(x: float, y: float, z: float, part: Array) -> int:
     if part[NAMING] == QUARTER:
         k = (1 if x > 0.0 else 0) + (2 if y > 0.0 else 0)
@@ -168,7 +172,7 @@ def _name(x: float, y: float, z: float, part: Array) -> int:
     return int(part[NAME + k])
 
 
-@njit(cache=True)
+@compiled
 def _void(x: float, y: float, z: float, parts: Array) -> tuple[float, int, float, float, float]:
     """Signed distance, component and normal of one point in the vault's frame."""
     best, best_name, bx, by, bz = inf, 0, 0.0, 0.0, 1.0
@@ -187,7 +191,7 @@ def _void(x: float, y: float, z: float, parts: Array) -> tuple[float, int, float
     return best, best_name, bx, by, bz
 
 
-@njit(cache=True)
+@compiled
 def _room(x: float, y: float, z: float, parts: Array, plan: Array) -> tuple[float, int, float, float, float]:
     """The same for the vault on its walls: component 0 on the walls, above and below the springing."""
     d, name, nx, ny, nz = _void(x, y, z, parts)
@@ -198,7 +202,7 @@ def _room(x: float, y: float, z: float, parts: Array, plan: Array) -> tuple[floa
     return d, name if z >= -1e-9 else 0, nx, ny, nz
 
 
-@njit(cache=True, nogil=True)  # serial: an optimiser calls it thousands of times on a few thousand points
+@compiled
 def distances(xyz: Array, frame: Array, parts: Array, plan: Array) -> Array:
     """Signed distances (n,) [m] of points (n, 3) to the room; `frame` (3, 4) brings them into the vault's frame."""
     out = np.empty(len(xyz))
@@ -211,12 +215,12 @@ def distances(xyz: Array, frame: Array, parts: Array, plan: Array) -> Array:
     return out
 
 
-@njit(cache=True, parallel=True)
+@compiled
 def surface(xyz: Array, frame: Array, parts: Array, plan: Array) -> tuple[Array, NDArray[np.uint16], Array]:
     """Signed distances (n,) [m], components (n,) and normals (n, 3) in the points' frame."""
     n = len(xyz)
     distance, component, normal = np.empty(n), np.empty(n, np.uint16), np.empty((n, 3))
-    for i in prange(n):
+    for i in range(n):
         px, py, pz = xyz[i, 0], xyz[i, 1], xyz[i, 2]
         x = frame[0, 0] * px + frame[0, 1] * py + frame[0, 2] * pz + frame[0, 3]
         y = frame[1, 0] * px + frame[1, 1] * py + frame[1, 2] * pz + frame[1, 3]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +11,7 @@ from numpy.typing import NDArray
 
 from vaultcad.solve import Placed
 
-CHUNK = 1 << 18
+CHUNK = 1 << 17  # points that a thread takes at once
 
 
 @dataclass(frozen=True)
@@ -30,10 +32,14 @@ def label(xyz: NDArray[np.floating], placed: Placed, tolerance: float, number: i
     n = len(xyz)
     component, deviation = np.zeros(n, np.uint16), np.full(n, np.nan, np.float32)
     frame = placed.pose.frame()
-    for start in range(0, n, CHUNK):
+
+    def work(start: int) -> None:
         part = slice(start, start + CHUNK)
         surface = placed.vault.evaluate(xyz[part], frame=frame, walls=True)
         near = (np.abs(surface.distance) <= tolerance) & (surface.component > 0)
         component[part] = np.where(near, surface.component, 0)
         deviation[part] = np.where(near, surface.distance, np.nan)
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(work, range(0, n, CHUNK)))
     return Labels(component, np.where(component > 0, number, 0).astype(np.uint16), deviation)

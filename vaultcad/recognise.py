@@ -25,6 +25,7 @@ ENDS = 0.06  # share of the evidence that the ends of the stone have where there
 BELOW = 0.1  # m; a springing lower than this and two points under the lowest point is a guess
 BLOCK = 0.5  # m; settlement makes residuals alike within about this distance, so a block counts once
 FLOOR = 2e-3  # m; below this no scanner tells two models apart
+ROUGH, CLOSE = 1e-2, 1e-3  # share of the cost that a step must still gain, in the first and the second fit
 HOPELESS = 2.5  # a family whose cost is this much above the best one's is not refined
 
 
@@ -65,9 +66,11 @@ class Evidence:
         """Weighted mean of the robust cost, 0 to 1."""
         return float(self.weights @ robust_cost(placed.distance(self.points), scale) / self.weights.sum())
 
-    def solve(self, start: Placed, free: tuple[str, ...], scales: tuple[float, ...], *, most: int = 15) -> Solution:
+    def solve(
+        self, start: Placed, free: tuple[str, ...], scales: tuple[float, ...], *, most: int = 15, gain: float = 1e-7
+    ) -> Solution:
         """Fit pose and the free parameters, see `vaultcad.solve.solve`."""
-        return solve(start, self.points, self.weights, free, scales, lowest=self.lowest, most=most)
+        return solve(start, self.points, self.weights, free, scales, lowest=self.lowest, most=most, gain=gain)
 
 
 def free_parameters(vault: Vault, *, extras: Sequence[str] = ()) -> tuple[str, ...]:
@@ -159,7 +162,7 @@ def _as(kind: type[Profile], profile: Profile) -> Profile | None:
 def _judge(placed: Placed, evidence: Evidence, scale: float, blocks: int, extras: tuple[str, ...] = ()) -> Hypothesis:
     """Fit with a narrow loss, and score by Schwarz's criterion on as many independent residuals as there are blocks."""
     free = free_parameters(placed.vault, extras=extras)
-    solution = evidence.solve(placed, free, (2 * scale, scale), most=8)
+    solution = evidence.solve(placed, free, (2 * scale, scale), most=8, gain=CLOSE)
     cost = evidence.cost(solution.placed, scale)
     floor = (FLOOR / scale) ** 2
     integers = sum(p.integer for p in placed.vault.parameters())

@@ -9,12 +9,13 @@ from math import log
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.recognise import EXTRAS, FIRST, PAYS, Evidence, Hypothesis
+from vaultcad.recognise import CLOSE, EXTRAS, FIRST, PAYS, Evidence, Hypothesis
 from vaultcad.site import Site
 from vaultcad.solve import POSE, Placed, Solution
 
 Array = NDArray[np.float64]
-POINTS = 20_000
+FEW, POINTS = 5_000, 20_000  # to choose what is free, and to fit that
+LAST = 1e-9  # share of the cost that a step of the last fit must still gain
 TIGHTEST, WIDEST = 0.004, 0.05  # m, limits of the last loss
 FAINT = 1e-4  # of the cost
 PLAIN: tuple[Mapping[str, float], ...] = (  # what a vault is taken for unless the scan says otherwise
@@ -47,7 +48,7 @@ def refine(winner: Hypothesis, site: Site, blocks: int, rng: np.random.Generator
     What is mostly zero is freed where that pays, what is nearly plain is made plain where that costs nothing; the
     price of a parameter is Schwarz's.
     """
-    evidence = Evidence.draw(site, POINTS, rng)
+    evidence = Evidence.draw(site, FEW, rng)
     best = _fit(winner.solution.placed, winner.free, evidence)
     for name in [p.name for p in best.placed.vault.parameters() if p.name in EXTRAS and p.name not in winner.free]:
         start = replace(best.placed, vault=best.placed.vault.replaced({name: FIRST}))
@@ -61,18 +62,18 @@ def refine(winner: Hypothesis, site: Site, blocks: int, rng: np.random.Generator
             trial = _fit(start, tuple(name for name in free if name not in values), evidence)
             if blocks * log(_cost(trial, evidence, best) / _cost(best, evidence, best)) < len(values) * log(blocks):
                 best = trial
-    return best
+    return _fit(best.placed, _freed(best), Evidence.draw(site, POINTS, rng), gain=LAST)
 
 
 def _freed(refined: Refined) -> tuple[str, ...]:
     return refined.solution.names[len(POSE) :]
 
 
-def _fit(start: Placed, free: tuple[str, ...], evidence: Evidence) -> Refined:
-    solution = evidence.solve(start, free, (WIDEST,))
+def _fit(start: Placed, free: tuple[str, ...], evidence: Evidence, *, gain: float = CLOSE) -> Refined:
+    solution = evidence.solve(start, free, (WIDEST,), gain=gain)
     for _ in range(3):
         scale = float(np.clip(4 * _scatter(solution), TIGHTEST, WIDEST))
-        solution = evidence.solve(solution.placed, free, (scale,))
+        solution = evidence.solve(solution.placed, free, (scale,), gain=gain)
     return Refined(solution, evidence.points, _scatter(solution))
 
 

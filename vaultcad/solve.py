@@ -62,11 +62,13 @@ def solve(
     *,
     lowest: float = -np.inf,
     most: int = 15,
+    gain: float = 1e-7,
 ) -> Solution:
     """Fit pose and the `free` parameters to points (n, 3) with weights (n,), the springing not below `lowest` [m].
 
     Levenberg-Marquardt on iteratively reweighted residuals; the loss narrows through `scales` [m], from one that sees
-    far outliers to one that does not (graduated non-convexity, Blake and Zisserman 1987). Steps are projected on the
+    far outliers to one that does not (graduated non-convexity, Blake and Zisserman 1987); each ends after `most` steps
+    or when a step lowers the cost by less than the share `gain`. Steps are projected on the
     parameters' ranges; an unknown that leans on its bound rests there (Kanzow, Yamashita, Fukushima 2004).
     """
     names = (*POSE, *free)
@@ -96,9 +98,9 @@ def solve(
             if not moved:
                 converged = True  # no direction lowers the cost
                 break
-            gain, size = (cost - trial_cost) / max(cost, 1e-300), float(np.abs(trial - x).max())
+            gained, size = (cost - trial_cost) / max(cost, 1e-300), float(np.abs(trial - x).max())
             x, r, cost, placed = trial, residuals, trial_cost, new
-            if size < 1e-7 or gain < 1e-7:
+            if size < 1e-7 or gained < gain:
                 converged = True
                 break
     w = weights / (1 + (r / scales[-1]) ** 2) ** 2
@@ -114,8 +116,13 @@ def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool
 
 
 def _jacobian(start: Placed, free: tuple[str, ...], x: Array, high: Array, points: Array, r: Array) -> Array:
+    """Derivatives (n, k) of the distances: by the pose from the normals, by the parameters from finite differences."""
     jacobian = np.empty((len(points), len(x)))
-    for k in range(len(x)):
+    placed = _placed(start, free, x)
+    normal = placed.vault.evaluate(points, frame=placed.pose.frame(), walls=True).normal
+    jacobian[:, :3] = -normal
+    jacobian[:, 3] = normal[:, 0] * (points[:, 1] - x[1]) - normal[:, 1] * (points[:, 0] - x[0])
+    for k in range(len(POSE), len(x)):
         step = STEP if x[k] + STEP <= high[k] else -STEP
         moved = x.copy()
         moved[k] += step
