@@ -91,7 +91,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _complain(message: str, code: int) -> int:
     """One line on standard error, whatever the message."""
-    print(f"{NAME}: {' '.join(message.split())}", file=sys.stderr)  # noqa: T201  # this is the terminal
+    typer.echo(f"{NAME}: {' '.join(message.split())}", err=True)
     return code
 
 

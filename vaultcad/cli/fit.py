@@ -53,7 +53,7 @@ def fit(
         from vaultcad.export.bundle import write_all
         from vaultcad.pipeline import Settings, fit_scan
 
-        result = fit_scan(cloud, Settings(families, seed, thickness), progress=bar.stage)
+        result = fit_scan(cloud, Settings(families=families, seed=seed, thickness=thickness), progress=bar.stage)
         bar.stage("writing")
         labels = result.labels
         extra: dict[str, NDArray[Any]] = {
