@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import reduce
 from math import pi
 
 from OCP.BRepAlgoAPI import BRepAlgoAPI_BooleanOperation, BRepAlgoAPI_Common, BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
 from OCP.BRepCheck import BRepCheck_Analyzer
+from OCP.BRepGProp import BRepGProp
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakePrism, BRepPrimAPI_MakeRevol
 from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
+from OCP.GProp import GProp_GProps
 from OCP.TopAbs import TopAbs_FACE
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
@@ -25,37 +27,53 @@ from families.profiles import Arc, Curve
 from families.sketch import MM, TOUCH, Upright, sketch
 
 CORNERS = [(True, True), (False, True), (False, False), (True, False)]  # x > 0 and y > 0, counterclockwise
-FUZZY = (1e-3, 1e-2, 1e-4)  # [mm], tried in turn: surfaces that are tangent at a corner of a cell meet none too sharply
+SLACK = 1e-5  # of a volume
+FUZZY = (1e-3, 1e-2, 1e-4, 1e-1)  # [mm], tried in turn: surfaces tangent at a corner of a cell meet none too sharply
 
 
 def union(pieces: Iterable[Piece], cell: Cell) -> TopoDS_Shape | None:
     """The union of pieces within a cell (`Turned` parts may stand beyond it); None if there is nothing."""
     shapes = [shape for piece in pieces if (shape := _piece(piece, cell)) is not None]
     if len(shapes) > 1:
-        return _boolean(BRepAlgoAPI_Fuse, shapes[:1], shapes[1:])
+        sizes = [volume(shape) for shape in shapes]
+        bounds = (1 - SLACK) * max(sizes), (1 + SLACK) * sum(sizes)
+        return _boolean(BRepAlgoAPI_Fuse, shapes[:1], shapes[1:], lambda found: bounds[0] < found < bounds[1])
     return shapes[0] if shapes else None
 
 
-def cut(shape: TopoDS_Shape, tool: TopoDS_Shape) -> TopoDS_Shape:
-    """A body without another."""
-    return _boolean(BRepAlgoAPI_Cut, [shape], [tool])
+def cut(shape: TopoDS_Shape, tool: TopoDS_Shape, left: float) -> TopoDS_Shape:
+    """A body without another, of which a volume `left` [mm³] should stay."""
+    size = volume(shape)
+    return _boolean(BRepAlgoAPI_Cut, [shape], [tool], lambda found: abs(found - left) < SLACK * size)
 
 
 def common(shape: TopoDS_Shape, tool: TopoDS_Shape) -> TopoDS_Shape:
     """What two bodies share."""
-    return _boolean(BRepAlgoAPI_Common, [shape], [tool])
+    most = min(volume(shape), volume(tool))
+    return _boolean(BRepAlgoAPI_Common, [shape], [tool], lambda found: found < (1 + SLACK) * most)
+
+
+def volume(shape: TopoDS_Shape) -> float:
+    """Volume [mm³]."""
+    sums = GProp_GProps()
+    BRepGProp.VolumeProperties_s(shape, sums)
+    return float(sums.Mass())
 
 
 def _boolean(
-    operation: type[BRepAlgoAPI_BooleanOperation], shapes: Sequence[TopoDS_Shape], tools: Sequence[TopoDS_Shape]
+    operation: type[BRepAlgoAPI_BooleanOperation],
+    shapes: Sequence[TopoDS_Shape],
+    tools: Sequence[TopoDS_Shape],
+    may_be: Callable[[float], bool],
 ) -> TopoDS_Shape:
+    """The result with the first of the tolerances that gives a sound one; some fail without saying so."""
     for tolerance in FUZZY:
         step = operation()
         step.SetArguments(_listed(shapes))
         step.SetTools(_listed(tools))
         step.SetFuzzyValue(tolerance)
         step.Build()
-        if step.IsDone() and is_sound(step.Shape()):
+        if step.IsDone() and is_sound(step.Shape()) and may_be(volume(step.Shape())):
             return step.Shape()
     raise ValueError(f"OpenCASCADE cannot do {operation.__name__} on this vault; change a parameter a little")
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
-from families.bodies import cut, union
+from families.bodies import cut, union, volume
 from families.cells import cuts
 from families.parts import Piece
 from families.reuse import Scene, made
@@ -47,15 +47,17 @@ def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
         plan.half_y + thickness * plan.on_wall_y,
     )
     # What is taken away is longer than what is left, so that no faces coincide and the mouths of lunettes stay open.
-    outer = where.cells(half_x, half_y, 0.0, top)
+    outer = list(where.cells(half_x, half_y, 0.0, top))
     inner = where.cells(half_x + thickness, half_y + thickness, -thickness, top)
-    jobs = [((grown, here), (pieces, beyond)) for here, beyond in zip(outer, inner, strict=True)]
+    jobs = [((grown, here), (pieces, here), (pieces, beyond)) for here, beyond in zip(outer, inner, strict=True)]
     return sewn(made(jobs, _shell), where)
 
 
 def _shell(scenes: tuple[Scene, ...]) -> TopoDS_Shape | None:
-    whole, room = (union(*scene) for scene in scenes)
-    return whole if whole is None or room is None else cut(whole, room)
+    whole, hollow, room = (union(*scene) for scene in scenes)
+    if whole is None or hollow is None or room is None:
+        return whole
+    return cut(whole, room, volume(whole) - volume(hollow))
 
 
 def intrados(vault: Vault) -> build123d.Compound:

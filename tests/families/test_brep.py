@@ -52,7 +52,7 @@ def area(vault):
     return sum(areas(vault).values())
 
 
-def points_of(face, n=9):
+def points_of(face, n=7):
     """Points (k, 3) [m] of a face by OpenCASCADE's own parameters, those inside its boundary."""
     bounds, surface = BRepTools.UVBounds_s(face), BRepAdaptor_Surface(face)
     shares = (np.arange(n) + 0.5) / n
@@ -65,13 +65,13 @@ def points_of(face, n=9):
     return np.array(found).reshape(-1, 3) / 1000
 
 
-def below(vault, n=160):
+def below(vault, n=120):
     """Volume [m³] of the void by columns of the numeric surface."""
     plan = vault.plan
     x, y = (half * ((np.arange(n) + 0.5) / n * 2 - 1) for half in (plan.half_x, plan.half_y))
     xy = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     low, high = np.zeros(len(xy)), np.full(len(xy), 2 * vault.rise if hasattr(vault, "rise") else 20.0)
-    for _ in range(24):
+    for _ in range(20):
         middle = (low + high) / 2
         room = vault.distance(np.c_[xy, middle]) < 0
         low, high = np.where(room, middle, low), np.where(room, high, middle)

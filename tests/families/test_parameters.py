@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from families import FAMILIES, Barrel, Groin, Lunette, Mirror, Pointed, Segmental, Semicircular
@@ -64,6 +64,7 @@ def test_an_unknown_parameter_is_named_with_those_that_exist():
 
 
 @pytest.mark.parametrize("family", FAMILIES)
+@settings(max_examples=50, deadline=None)
 @given(data=st.data())
 def test_every_vector_within_the_bounds_is_a_vault(family, data):
     vault = family()

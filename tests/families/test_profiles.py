@@ -3,13 +3,15 @@ from math import acos, cos, hypot, pi, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from families import PROFILES, BasketHandle, Elliptical, Pointed, Segmental, Semicircular, Stilted, profile
 from families.outline import half_outline
 from families.profiles import circle_through, junction
 
+settings.register_profile("profiles", deadline=None)
+settings.load_profile("profiles")
 SPANS = st.floats(0.25, 20)
 
 
