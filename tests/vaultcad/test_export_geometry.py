@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from families import FAMILIES, Dome, Groin, Mirror, Pointed, Segmental, Stilted, Trough
+from families.mesh import Mesh
+from vaultcad.errors import ExportError
 from vaultcad.export.drawing import cut
-from vaultcad.export.geometry import Body, bodies, loops, shell
+from vaultcad.export.geometry import Body, bodies, closed, loops, shell
 
 THICKNESS = 0.15
 VAULTS = [
@@ -24,7 +26,7 @@ FACES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [
 TRIANGLES = np.array([[f[0], f[k], f[k + 1]] for f in FACES for k in (1, 2)], dtype=np.int32)
 
 
-def closed(triangles):
+def is_closed(triangles):
     edges = Counter(map(tuple, np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)]).tolist()))
     return all(count == 1 and edges[b, a] == 1 for (a, b), count in edges.items())
 
@@ -33,7 +35,7 @@ def closed(triangles):
 def test_bodies_share_the_masonry_out(vault):
     pieces, whole = bodies(vault, THICKNESS), shell(vault, THICKNESS)
     assert [body.name for body in pieces] == list(vault.components)
-    assert all(closed(body.triangles) for body in pieces)
+    assert all(is_closed(body.triangles) for body in pieces)
     assert min(body.volume for body in pieces) > 0
     solid = Body(0, "", whole.vertices, whole.triangles, 0.0)
     assert sum(body.volume for body in pieces) == pytest.approx(solid.volume, rel=1e-9)
@@ -72,6 +74,36 @@ def test_a_box_is_cut_in_a_rectangle():
     assert abs(x @ np.roll(z, -1) - z @ np.roll(x, -1)) / 2 == pytest.approx(8.0)
 
 
+def test_a_sliver_that_is_missing_is_put_back():
+    """The box with the middle of one edge 1 mm out: its two faces meet there, but one goes straight past."""
+    bent = np.concatenate([BOX, [[1.0, 0.0, -0.001]]])  # on the edge from 0 to 4
+    others = [t for t in TRIANGLES.tolist() if t not in ([0, 4, 5], [0, 5, 1])]
+    triangles = np.array([*others, [0, 8, 1], [8, 5, 1], [8, 4, 5]], dtype=np.int32)
+    whole = closed(Mesh(bent, triangles, np.ones(len(triangles), dtype=np.uint16)))
+    assert not is_closed(triangles)
+    assert is_closed(whole.triangles)
+    assert whole.component[len(triangles) :].tolist() == [0]
+    assert Body(1, "box", bent, whole.triangles, 0.0).volume == pytest.approx(24.0, rel=1e-3)
+
+
+def test_a_level_face_that_is_missing_is_put_back_with_its_hole():
+    """A tube through a box: without its top, which is a ring, it has two borders in one plane."""
+    outer, inner = BOX, (BOX - BOX.mean(axis=0)) * (0.5, 0.5, 1) + BOX.mean(axis=0)
+    level = [f for f in FACES if BOX[f, 2].min() == BOX[f, 2].max()]
+    sides = [f for f in FACES if f not in level]
+    faces = [*sides, *([8 + k for k in reversed(f)] for f in sides)]
+    triangles = np.array([[f[0], f[k], f[k + 1]] for f in faces for k in (1, 2)], dtype=np.int32)
+    tube = closed(Mesh(np.concatenate([outer, inner]), triangles, np.ones(len(triangles), dtype=np.uint16)))
+    assert is_closed(tube.triangles)
+    assert Body(1, "tube", tube.vertices, tube.triangles, 0.0).volume == pytest.approx(24 - 6)
+
+
+def test_a_hole_in_no_plane_is_refused():
+    corner = [k for k, t in enumerate(TRIANGLES.tolist()) if t not in ([0, 5, 1], [0, 1, 3])]
+    with pytest.raises(ExportError, match="has a hole between"):
+        closed(Mesh(BOX, TRIANGLES[corner], np.ones(len(corner), dtype=np.uint16)))
+
+
 def test_the_border_of_a_patch_is_one_loop_in_its_direction():
     assert loops(TRIANGLES) == []
     (loop,) = loops(TRIANGLES[:2])
@@ -80,5 +112,5 @@ def test_the_border_of_a_patch_is_one_loop_in_its_direction():
 
 def test_the_box_of_this_test_is_closed_and_right():
     box = Body(1, "box", BOX, TRIANGLES, 0.0)
-    assert closed(TRIANGLES)
+    assert is_closed(TRIANGLES)
     assert box.volume == pytest.approx(24.0)

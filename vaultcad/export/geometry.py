@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from families import Vault
 from families.mesh import Mesh, mesh_solid
 from families.parts import Turned
+from vaultcad.errors import ExportError
 
 TOLERANCE = 0.003  # [m] between triangles and the exact surface, below what scanners can tell
 BEYOND = 10.0  # [m] by which the prisms that cut reach past the masonry
@@ -58,13 +59,21 @@ def masonry(vault: Vault, thickness: float) -> Any:
 
 @lru_cache(maxsize=KEPT)
 def shell(vault: Vault, thickness: float) -> Mesh:
-    """The masonry as one closed mesh, as `families.mesh.mesh_solid` makes it."""
-    return mesh_solid(vault, thickness, TOLERANCE)
+    """The masonry as one closed mesh, as `families.mesh.mesh_solid` makes it.
+
+    Raises:
+        ExportError: it has a hole.
+    """
+    return closed(mesh_solid(vault, thickness, TOLERANCE))
 
 
 @lru_cache(maxsize=KEPT)
 def bodies(vault: Vault, thickness: float) -> tuple[Body, ...]:
-    """One body for each component of which something shows, in the order of the components."""
+    """One body for each component of which something shows, in the order of the components.
+
+    Raises:
+        ExportError: the mesh of the masonry is not closed.
+    """
     mesh = shell(vault, thickness)
     areas = np.bincount(mesh.component, mesh.areas, len(vault.components) + 2)
     names = {k: name for k, name in enumerate(vault.components, 1) if areas[k] > 0}
@@ -75,6 +84,45 @@ def bodies(vault: Vault, thickness: float) -> tuple[Body, ...]:
     cut = _level(vault, mesh, turned[0]) if turned else _plumb(vault, mesh, areas)
     shares = {k: _arrays(share) for k, share in cut}
     return tuple(Body(k, name, *shares[k], float(areas[k])) for k, name in names.items())
+
+
+def closed(mesh: Mesh) -> Mesh:
+    """The mesh with what OpenCASCADE's mesher leaves out of level and plumb faces, most often slivers along arcs.
+
+    Raises:
+        ExportError: a gap lies in no such plane, so that it cannot be told what was there.
+    """
+    gaps: dict[tuple[int, float], list[list[int]]] = {}
+    for row in loops(mesh.triangles):
+        points = mesh.vertices[row]
+        level = np.flatnonzero(np.ptp(points, axis=0) < ON_EDGE)
+        if not len(level):
+            low, high = (np.round(points.min(axis=0), 2).tolist(), np.round(points.max(axis=0), 2).tolist())
+            raise ExportError(f"the masonry's mesh has a hole between {low} and {high} m; try another --thickness")
+        gaps.setdefault((int(level[0]), round(float(points[0, level[0]]), 5)), []).append(row[::-1])
+    if not gaps:
+        return mesh
+    filled = np.concatenate([_filled(mesh.vertices, rows, axis) for (axis, _), rows in gaps.items()])
+    component = np.concatenate([mesh.component, np.zeros(len(filled), mesh.component.dtype)])
+    return Mesh(mesh.vertices, np.concatenate([mesh.triangles, filled]).astype(np.int32), component)
+
+
+def _filled(vertices: Floats, rows: list[list[int]], axis: int) -> NDArray[np.integer]:
+    """Triangles between closed rows in one plane square to an axis, in the direction of the rows."""
+    import manifold3d
+
+    across = [(axis + 1) % 3, (axis + 2) % 3]
+    if sum(_area(vertices[row][:, across]) for row in rows) < 0:
+        across.reverse()  # seen from the other side
+    polygons = [vertices[row][:, across] for row in rows]
+    triangles: NDArray[np.integer] = np.concatenate(rows)[manifold3d.triangulate(polygons)]
+    return triangles
+
+
+def _area(row: Floats) -> float:
+    """Area of a closed row of points (n, 2), positive if it is counterclockwise."""
+    x, y = row.T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
 
 def loops(triangles: Triangles) -> list[list[int]]:
@@ -178,15 +226,17 @@ def _carried_on(vault: Vault, row: Floats) -> Floats:
         else:
             points.append(far[k])
     outline = np.array(points)[::-1]  # triangles face the room below: clockwise from above
-    x, y = outline.T
-    return outline if x @ np.roll(y, -1) > y @ np.roll(x, -1) else outline[::-1]
+    return outline if _area(outline) > 0 else outline[::-1]
 
 
 def _manifold(vertices: Floats, triangles: NDArray[np.integer]) -> Any:
     import manifold3d
 
     mesh = manifold3d.Mesh64(np.ascontiguousarray(vertices), np.ascontiguousarray(triangles, dtype=np.uint64))
-    return manifold3d.Manifold(mesh)
+    made = manifold3d.Manifold(mesh)
+    if made.status() != manifold3d.Error.NoError:
+        raise ExportError(f"the masonry's mesh is not closed ({made.status().name}); try another --thickness")
+    return made
 
 
 def _arrays(manifold: Any) -> tuple[Floats, Triangles]:
