@@ -22,6 +22,7 @@ CHUNK = 1 << 18  # points a thread labels at a time
 CANDIDATES = 6  # components that may meet within one cell and its neighbours
 REACH = 3  # cells that a component may run on beyond the cells that are mostly its own: its slivers
 ONE_SIDED = 0.9  # share of a primitive's cells on one side of another from which the two are known to bound each other
+TANGENT = 0.9  # cosine between the normals of primitives that touch rather than cross
 _BITS = 21
 
 
@@ -87,13 +88,14 @@ def _sides(cloud: WorkingCloud, labels: Ints, shapes: Shapes) -> Floats:
 
 
 def label_points(
-    xyz: NDArray[np.floating], cloud: WorkingCloud, shapes: Shapes, found: Regions, components: Ints
+    xyz: NDArray[np.floating], cloud: WorkingCloud, shapes: Shapes, found: Regions, components: Ints, noise: float
 ) -> tuple[NDArray[np.uint16], Ints, Floats]:
     """Labels (n,) of points (n, 3) [m], and of each component the points and the sum of squared distances [m²], (c +
     1,).
 
     A point goes to the component whose primitive is nearest, of those in its cell and the cells around, within epsilon;
-    where two primitives bound each other, to the one it belongs to by side, on which noise has no influence.
+    where two primitives bound each other, to the one it belongs to by side, on which noise has no influence. Where
+    they touch, neither helps against `noise` [m]: there a point goes with its cell, whose mean has less.
     """
     lattice = np.floor(cloud.raw * (1 / cloud.size)).astype(np.int64)
     low = lattice.min(axis=0)
@@ -110,7 +112,7 @@ def label_points(
         stop = min(start + CHUNK, len(xyz))
         _label(
             xyz[start:stop], labels[start:stop], 1 / cloud.size, low, keys, table,
-            found.candidates, found.owner, found.side, shapes.kinds, shapes.rows, cloud.epsilon,
+            found.candidates, found.owner, found.side, shapes.kinds, shapes.rows, cloud.epsilon, noise,
             ends, cloud.head, cloud.raw, components, count, square,
         )  # fmt: skip
         return count, square
@@ -141,7 +143,7 @@ def _index(keys: Ints, table: NDArray[np.int32]) -> None:
 def _label(
     xyz: NDArray[np.floating], labels: NDArray[np.uint16],
     scale: float, low: Ints, keys: Ints, table: NDArray[np.int32],
-    candidates: Ints, owner: Ints, side: Floats, kinds: Ints, rows: Floats, epsilon: float,
+    candidates: Ints, owner: Ints, side: Floats, kinds: Ints, rows: Floats, epsilon: float, noise: float,
     ends: Ints, head: Ints, raw: Floats, components: Ints, count: Ints, square: Floats,
 ) -> None:  # fmt: skip
     last, cell = np.int64(-1), np.int64(-1)
@@ -154,6 +156,8 @@ def _label(
             np.int64(math.floor(y * scale)) - low[1],
             np.int64(math.floor(z * scale)) - low[2],
         )
+        if kx < 0 or ky < 0 or kz < 0 or max(kx, ky, kz) >= 1 << _BITS:
+            continue
         key = (kx << (2 * _BITS)) | (ky << _BITS) | kz
         if key != last:
             cell = np.int64(table[_slot(table, keys, key)])
@@ -161,6 +165,7 @@ def _label(
         if cell < 0:
             continue
         best, best_distance, shared = 0, 0.0, False
+        best_nx, best_ny, best_nz = 0.0, 0.0, 0.0
         for c in range(CANDIDATES):
             candidate = candidates[cell, c]
             if candidate == 0:
@@ -169,19 +174,23 @@ def _label(
             if best > 0 and owner[best] == p:
                 shared = True
                 continue
-            d, _, _, _ = gradient(kinds[p], rows[p], x, y, z)
+            d, nx, ny, nz = gradient(kinds[p], rows[p], x, y, z)
             if abs(d) > epsilon:
                 continue
             if best > 0:
                 q = owner[best]
-                if side[p, q] != 0.0 and side[q, p] != 0.0:
+                parallel = nx * best_nx + ny * best_ny + nz * best_nz
+                facing = side[p, q] * side[q, p] * parallel
+                if facing <= 0.0 and abs(parallel) > TANGENT and max(abs(d), abs(best_distance)) < noise:
+                    wins = components[cell] > 0 and owner[components[cell]] == p
+                elif side[p, q] * side[q, p] != 0.0:
                     wins = side[p, q] * best_distance > side[q, p] * d
                 else:
                     wins = abs(d) < abs(best_distance)
                 if not wins:
                     continue
             shared = False
-            best, best_distance = candidate, d
+            best, best_distance, best_nx, best_ny, best_nz = candidate, d, nx, ny, nz
         if best == 0:
             continue
         if shared:

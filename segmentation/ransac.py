@@ -81,11 +81,11 @@ def detect(
         return Segments((), np.zeros(len(xyz), dtype=np.uint16), settings.epsilon or 0.0)
     shapes = _find(cloud, settings, rng, tell)
     tell("refinement", len(shapes))
-    shapes, labels = sharpened(shapes, cloud, settings)
+    shapes, labels, noise = sharpened(shapes, cloud, settings)
     components = split(cloud, labels)
     tell("labelling", len(shapes))
     found = regions(cloud, labels, components, shapes)
-    point_labels, count, square = label_points(xyz, cloud, shapes, found, components)
+    point_labels, count, square = label_points(xyz, cloud, shapes, found, components, noise)
     segments = tuple(
         Segment(
             i,

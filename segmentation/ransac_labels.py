@@ -14,39 +14,49 @@ from segmentation.split import connected
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NOISE_BAND = 6.0  # standard deviations
+COARSE = 0.05  # of a cell: noise above this harms more than the corners that means cut
 SWEEPS = 30  # cells that a label may run along an edge
 
 
-def sharpened(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> tuple[Shapes, Ints]:
-    """Joint refinement on true points in ever narrower bands, down to their noise, and the labels (m,) of the cells.
+def sharpened(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> tuple[Shapes, Ints, float]:
+    """Joint refinement on true points in ever narrower bands, down to their noise; labels (m,) of the cells; the noise.
 
     Where two primitives touch without crossing, a wide band leaves it open which one a point belongs to.
     """
     epsilon, extent = cloud.epsilon, float(np.ptp(cloud.raw, axis=0).max())
     shapes, labels = refine_jointly(shapes, cloud.raw, cloud.normal, epsilon, settings)
     while len(shapes) and (labels >= 0).any():
-        distance = gaps(shapes, cloud.raw)
-        own = np.abs(distance[labels[labels >= 0], np.flatnonzero(labels >= 0)])
-        narrower = max(NOISE_BAND * 1.4826 * float(np.median(own)), 1e-4 * extent, epsilon / 4.0)
+        narrower = max(2.0 * _noise(shapes, labels, cloud), 1e-4 * extent, epsilon / 4.0)
         if narrower > 0.7 * epsilon:
             break
         epsilon = narrower
         shapes, _ = refine_jointly(shapes, cloud.raw, cloud.normal, epsilon, settings)
         labels = winners(cost(shapes, cloud.raw, cloud.normal, cloud.epsilon, math.cos(settings.alpha)))
-    if len(shapes):
-        labels = _absorbed(shapes, _settled(shapes, labels, cloud, epsilon), cloud, epsilon, settings)
-    return shapes, labels
+    if len(shapes) == 0:
+        return shapes, labels, 0.0
+    noise = _noise(shapes, labels, cloud)
+    judges = cloud.mean if noise > COARSE * cloud.size else cloud.raw
+    labels = winners(cost(shapes, judges, cloud.normal, cloud.epsilon, math.cos(settings.alpha)))
+    labels = _settled(shapes, labels, cloud, judges, epsilon)
+    return shapes, _absorbed(shapes, labels, cloud, epsilon, settings), noise
 
 
-def _settled(shapes: Shapes, labels: Ints, cloud: WorkingCloud, margin: float) -> Ints:
+def _noise(shapes: Shapes, labels: Ints, cloud: WorkingCloud) -> float:
+    """Three standard deviations [m], by the median, of the true points from their primitives."""
+    owned = np.flatnonzero(labels >= 0)
+    if len(owned) == 0:
+        return 0.0
+    return 3.0 * 1.4826 * float(np.median(np.abs(gaps(shapes, cloud.raw)[labels[owned], owned])))
+
+
+def _settled(shapes: Shapes, labels: Ints, cloud: WorkingCloud, judges: Floats, margin: float) -> Ints:
     """Labels after cells went over to a neighbour's primitive that is nearer by `margin`, or to any within epsilon if
     they had none.
 
     Along edges, and in the slivers between them, estimated normals are of no surface: there only distance and
     neighbours count.
     """
-    gap = np.abs(gaps(shapes, cloud.raw))
+    gap = np.abs(gaps(shapes, judges))
     gap[gap > cloud.epsilon] = math.inf
     labels = labels.copy()
     own = np.where(labels >= 0, gap[labels, np.arange(len(cloud))] - margin, math.inf)

@@ -53,7 +53,7 @@ def _components(cloud: WorkingCloud, labels: Ints, among: NDArray[np.bool_], sma
     region = connected(cloud, labels, among)
     large = np.bincount(region, weights=cloud.count) >= smallest
     large[0] = False
-    return (np.cumsum(large) * large)[region]
+    return np.where(large, np.cumsum(large), 0)[region]
 
 
 def connected(cloud: WorkingCloud, labels: Ints, among: NDArray[np.bool_]) -> Ints:
@@ -64,9 +64,8 @@ def connected(cloud: WorkingCloud, labels: Ints, among: NDArray[np.bool_]) -> In
     group = np.where(among, labels, -1)
     joined = (group[cloud.tail] == group[cloud.head]) & (group[cloud.tail] >= 0) & (cloud.tail < cloud.head)
     pairs = cloud.tail[joined], cloud.head[joined]
-    _, region = connected_components(
-        csr_array((np.ones(len(pairs[0]), np.int8), pairs), shape=(size, size)), directed=False
-    )
+    graph = csr_array((np.ones(len(pairs[0]), dtype=np.int8), pairs), shape=(size, size))
+    _, region = connected_components(graph, directed=False)
     return np.where(among, np.asarray(region, dtype=np.int64) + 1, 0)
 
 
