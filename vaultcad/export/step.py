@@ -83,14 +83,21 @@ def _part(shapes: XCAFDoc_ShapeTool, main: TDF_Label, fitted: FittedVault, thick
 
 
 def _solid(shape: TopoDS_Shape) -> TopoDS_Shape:
-    """The one solid within the compound that a boolean gives, or the compound if there are more."""
+    """The one solid within the compound that a boolean gives, or the compound if there are more.
+
+    Faces lie where they are: of moved copies the translator writes neither names nor colours.
+    """
+    from OCP.ShapeUpgrade import ShapeUpgrade_RemoveLocations
     from OCP.TopAbs import TopAbs_SOLID
     from OCP.TopExp import TopExp_Explorer
 
-    explorer = TopExp_Explorer(shape, TopAbs_SOLID)
+    bare = ShapeUpgrade_RemoveLocations()
+    bare.Remove(shape)
+    whole = bare.GetResult()
+    explorer = TopExp_Explorer(whole, TopAbs_SOLID)
     only = explorer.Current()
     explorer.Next()
-    return shape if explorer.More() else only
+    return whole if explorer.More() else only
 
 
 def _location(pose: Pose) -> TopLoc_Location:
