@@ -191,7 +191,7 @@ def _rectangle(
 
 
 def _inside(xy: Array, low: Array, high: Array) -> NDArray[np.bool_]:
-    inside: NDArray[np.bool_] = ((xy > low) & (xy < high)).all(axis=1)
+    inside: NDArray[np.bool_] = np.asarray(((xy > low) & (xy < high)).all(axis=1))
     return inside
 
 
@@ -206,14 +206,14 @@ def _ends(xyz: NDArray[np.floating], site: Site) -> Array:
         sign, edge = (-1.0, site.low[axis]) if side == 0 else (1.0, site.high[axis])
         depth = sign * (edge - frame[:, axis])
         mine = (depth < RIM) & (depth > -RIM)
-        strip = np.floor((frame[mine, 1 - axis] - site.low[1 - axis]) / STRIP).astype(np.int64)
+        along = frame[mine, 1 - axis]
+        strip = np.floor(along / STRIP).astype(np.int64)
         order = np.lexsort((depth[mine], strip))
-        strips, first, count = np.unique(strip[order], return_index=True, return_counts=True)
-        sorted_depth = depth[mine][order]
-        for k in np.flatnonzero(count >= FEW):
-            outer = sorted_depth[first[k] : first[k] + 4]
-            end = outer[0] - (outer[-1] - outer[0]) / 3
+        _, first, count = np.unique(strip[order], return_index=True, return_counts=True)
+        for k in first[count >= FEW]:
+            outer = order[k : k + 4]
+            d = depth[mine][outer]
             xy = np.empty(2)
-            xy[1 - axis], xy[axis] = site.low[1 - axis] + (strips[k] + 0.5) * STRIP, edge - sign * end
+            xy[1 - axis], xy[axis] = along[outer].mean(), edge - sign * (d[0] - (d[-1] - d[0]) / 3)
             found.append([*turned(xy[None], -site.yaw)[0], site.bottom - 1.0])
     return np.array(found).reshape(-1, 3)

@@ -1,0 +1,130 @@
+"""Labels, deviations, coverage, the as-built surface, and the site they stand on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from families import Barrel, Groin, Sail, Semicircular, Vault
+from segmentation.cloud import Cloud
+from vaultcad.as_built import displacement
+from vaultcad.coverage import coverage
+from vaultcad.deviation import level_of_accuracy, summarise
+from vaultcad.errors import NoVaultError
+from vaultcad.label import label
+from vaultcad.model import Pose
+from vaultcad.site import find_site, survey, turned
+from vaultcad.solve import Placed
+
+HERE = Pose(0.0, 0.0, 0.0, 0.0)
+
+
+def test_points_get_their_component_and_those_off_the_vault_none() -> None:
+    vault = Groin(4.0, 5.0)
+    sample = vault.sample(5000, np.random.default_rng(0))
+    strays = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, -1.0], [0.0, 0.0, 2.45], [9.0, 9.0, 9.0]])
+    labels = label(np.concatenate([sample.xyz, strays]), Placed(vault, HERE), 0.03)
+    assert (labels.component[:5000] == sample.component).mean() > 0.999
+    assert labels.component[5000:].tolist() == [0, 0, 0, 0]
+    assert np.isnan(labels.deviation[5000:]).all()
+    assert (labels.vault == (labels.component > 0)).all()
+
+
+def test_a_deviation_is_positive_in_the_stone_and_negative_in_the_room() -> None:
+    labels = label(np.array([[0.0, 0.0, 2.51], [0.0, 0.0, 2.48]]), Placed(Barrel(5.0, 8.0), HERE), 0.03)
+    assert labels.deviation == pytest.approx([0.01, -0.02], abs=1e-6)
+
+
+def test_labels_do_not_hang_on_how_the_cloud_is_cut_into_chunks() -> None:
+    vault = Sail(4.0, 4.0, 0.7)
+    xyz = vault.sample(300_000, np.random.default_rng(1)).xyz
+    whole, part = label(xyz, Placed(vault, HERE), 0.03), label(xyz[:1000], Placed(vault, HERE), 0.03)
+    assert (whole.component[:1000] == part.component).all()
+    assert np.array_equal(whole.deviation[:1000], part.deviation, equal_nan=True)
+
+
+def test_a_summary_counts_what_it_says() -> None:
+    d = summarise(np.array([-0.005, 0.02, 0.04, -0.1]))
+    assert (d.mean, d.max) == pytest.approx((0.04125, 0.1))
+    assert d.rms == pytest.approx(np.sqrt(np.mean(np.square([0.005, 0.02, 0.04, 0.1]))))
+    assert dict(d.within) == {0.01: 0.25, 0.03: 0.5, 0.06: 0.75}
+    with pytest.raises(ValueError, match="no points"):
+        summarise(np.empty(0))
+
+
+@pytest.mark.parametrize(
+    ("p95", "name"), [(0.0005, "LOA50"), (0.005, "LOA40"), (0.01, "LOA30"), (0.05, "LOA20"), (1, "LOA10")]
+)
+def test_the_level_of_accuracy_is_that_of_the_standard(p95: float, name: str) -> None:
+    assert level_of_accuracy(p95) == name
+
+
+@pytest.mark.parametrize("vault", [Barrel(4.0, 6.0, Semicircular()), Groin(4.0, 5.0)], ids=lambda v: v.id)
+def test_coverage_is_the_share_that_was_seen(vault: Vault) -> None:
+    rng = np.random.default_rng(2)
+    xyz = vault.sample(20_000, rng).xyz
+    _, whole = coverage(vault, xyz, 0.1, rng)
+    _, half = coverage(vault, xyz[xyz[:, 1] > 0], 0.1, rng)
+    _, none = coverage(vault, xyz[:0], 0.1, rng)
+    assert whole > 0.995
+    assert half == pytest.approx(0.5, abs=0.03)
+    assert none == 0.0
+
+
+def test_the_as_built_field_follows_a_smooth_settlement_and_not_the_noise() -> None:
+    vault, rng = Groin(5.0, 5.0), np.random.default_rng(3)
+    sample = vault.sample(6000, rng)
+    normals = vault.evaluate(sample.xyz).normal
+    sunk = -0.03 * np.cos(0.6 * sample.xyz[:, 0]) * np.cos(0.5 * sample.xyz[:, 1])
+    along = sunk * normals[:, 2]
+    noisy = along + 0.003 * rng.standard_normal(len(along))
+    field = displacement(sample.xyz[::2], normals[::2], noisy[::2])
+    predicted = np.einsum("nc,nc->n", field(sample.xyz[1::2]), normals[1::2])
+    assert np.sqrt(np.mean((predicted - along[1::2]) ** 2)) < 0.0015
+
+
+def room(span_x: float, span_y: float, yaw: float, rng: np.random.Generator) -> Cloud:
+    """A barrel on four walls and a floor, with points all over."""
+    vault = Barrel(span_x, span_y)
+    on = vault.sample(30_000, rng).xyz
+    n = 20_000
+    sign = rng.choice([-1.0, 1.0], n)
+    walls = np.column_stack([sign * span_x / 2, rng.uniform(-span_y / 2, span_y / 2, n), rng.uniform(-3, 0, n)])
+    ends = np.column_stack([rng.uniform(-span_x / 2, span_x / 2, n), sign * span_y / 2, rng.uniform(-3, 0, n)])
+    floor = np.column_stack([rng.uniform(-0.5, 0.5, (n, 2)) * [span_x, span_y], np.full(n, -3.0)])
+    xyz = np.concatenate([on, walls, ends, floor]) + 0.002 * rng.standard_normal((30_000 + 3 * n, 3))
+    xyz[:, :2] = turned(xyz[:, :2], -yaw)
+    return Cloud(xyz.astype(np.float32))
+
+
+def test_a_site_knows_turn_plan_floor_and_crown_of_a_room() -> None:
+    site = survey(room(4.0, 6.0, 0.4, np.random.default_rng(4)))
+    assert site.yaw == pytest.approx(0.4, abs=0.01)
+    assert site.spans == pytest.approx([4.0, 6.0], abs=0.02)
+    assert site.walled.all()
+    assert site.crown == pytest.approx(2.0, abs=0.02)
+    level = np.abs(site.normals[:, 2]) > 0.9
+    assert site.points[level, 2].min() > -2.8  # the floor is gone
+
+
+def test_a_bare_vault_ends_where_its_points_end() -> None:
+    cloud = Cloud(Sail(5.0, 4.0, 0.7).sample(200_000, np.random.default_rng(5)).xyz.astype(np.float32))
+    site = survey(cloud)
+    assert not site.walled.any()
+    ends = turned(site.ends[:, :2], site.yaw)
+    assert np.abs(ends).max(axis=0) == pytest.approx([2.5, 2.0], abs=0.01)
+
+
+@pytest.mark.parametrize(
+    "xyz",
+    [np.zeros((3, 3)), np.ones((5000, 3)), np.linspace([0, 0, 0], [5, 0, 0], 5000)],
+    ids=["three points", "one place", "a line"],
+)
+def test_what_has_no_surface_is_refused(xyz: np.ndarray) -> None:
+    with pytest.raises(NoVaultError, match="no vault found"):
+        survey(Cloud(xyz.astype(np.float32)))
+
+
+def test_a_site_needs_points_with_normals() -> None:
+    with pytest.raises(NoVaultError, match="at least 100"):
+        find_site(np.zeros((200, 3)), np.full((200, 3), np.nan), 0.05)

@@ -1,0 +1,103 @@
+"""The optimiser: bounds, outliers, derivatives; and how sure it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from families import Barrel, Groin, Segmental
+from vaultcad.model import Pose
+from vaultcad.solve import Placed, Solution, robust_cost, solve
+from vaultcad.uncertainty import covariance, derived_std
+
+TRUTH = Placed(Groin(4.2, 4.6, Segmental(0.4), Segmental(0.36)), Pose(1.0, -2.0, 3.0, 0.3))
+FREE = ("span_x", "span_y", "rise_ratio_x", "rise_ratio_y")
+
+
+def cloud(count: int, noise: float, rng: np.random.Generator) -> np.ndarray:
+    """Points on the true vault and its walls (n, 3)."""
+    on = TRUTH.vault.sample(count, rng).xyz
+    side = rng.choice([-1.0, 1.0], count // 2)
+    across, height = rng.uniform(-1, 1, count // 2), rng.uniform(-1, 0, count // 2)
+    walls = np.column_stack([side * 2.1, across * 2.3, height])
+    walls[::2, 0], walls[::2, 1] = across[::2] * 2.1, side[::2] * 2.3
+    turn = TRUTH.pose.placement()
+    local = np.concatenate([on, walls]) + noise * rng.standard_normal((count + count // 2, 3))
+    return local @ turn[:3, :3].T + turn[:3, 3]
+
+
+def off() -> Placed:
+    """A start that is wrong in everything."""
+    vault = replace(TRUTH.vault, span_x=4.3, span_y=4.45, profile_x=Segmental(0.35), profile_y=Segmental(0.4))
+    return Placed(vault, Pose(1.06, -2.05, 3.1, 0.33))
+
+
+def test_the_true_vault_is_found_from_a_wrong_start() -> None:
+    points = cloud(3000, 0.0, np.random.default_rng(1))
+    found = solve(off(), points, np.ones(len(points)), FREE, (0.1, 0.01), most=40)
+    assert found.converged
+    assert np.abs(found.residuals).max() < 1e-6
+    assert found.placed.vault.values() == pytest.approx(TRUTH.vault.values(), abs=1e-5)
+
+
+def test_a_third_of_outliers_moves_nothing() -> None:
+    rng = np.random.default_rng(2)
+    good = cloud(3000, 0.001, rng)
+    bad = rng.uniform(good.min(axis=0), good.max(axis=0), (1500, 3))
+    points = np.concatenate([good, bad])
+    found = solve(off(), points, np.ones(len(points)), FREE, (0.2, 0.05, 0.01), most=30)
+    assert found.placed.vault.span_x == pytest.approx(4.2, abs=2e-3)
+    assert found.placed.pose.yaw == pytest.approx(0.3, abs=1e-3)
+
+
+def test_parameters_and_springing_stay_within_their_bounds() -> None:
+    points = cloud(2000, 0.0, np.random.default_rng(3))
+    barrel = Placed(Barrel(4.0, 4.0, Segmental(0.06)), Pose(1.0, -2.0, 4.6, 0.3))
+    found = solve(barrel, points, np.ones(len(points)), ("span", "length", "rise_ratio"), (0.3, 0.1), lowest=4.5)
+    assert 0.05 <= found.placed.vault.profile.rise_ratio <= 0.5  # type: ignore[attr-defined]
+    assert found.placed.pose.z >= 4.5
+
+
+def test_the_jacobian_is_the_derivative_of_the_distances() -> None:
+    points = cloud(500, 0.01, np.random.default_rng(4))
+    found = solve(off(), points, np.ones(len(points)), FREE, (0.1,), most=1)
+    step, pose = 1e-6, found.placed.pose
+    for k, name in enumerate(("x", "y", "z", "yaw")):
+        moved = replace(found.placed, pose=replace(pose, **{name: getattr(pose, name) + step}))
+        numeric = (moved.distance(points) - found.placed.distance(points)) / step
+        agree = np.abs(numeric - found.jacobian[:, k]) < 1e-3
+        assert agree.mean() > 0.99  # a point on an edge has two derivatives
+
+
+def test_the_cost_runs_from_none_to_one_by_way_of_a_half() -> None:
+    assert robust_cost(np.array([0.0, 0.05, 1e6]), 0.05) == pytest.approx([0.0, 0.5, 1.0])
+
+
+def test_the_truth_lies_within_two_standard_deviations_nine_times_in_ten() -> None:
+    inside = []
+    for seed in range(20):
+        points = cloud(1500, 0.003, np.random.default_rng(100 + seed))
+        found = solve(TRUTH, points, np.ones(len(points)), FREE, (0.02,))
+        std = np.sqrt(np.diag(covariance(found, points)))
+        values = found.placed.vault.values()
+        truth = TRUTH.vault.values()
+        inside += [abs(values[n] - truth[n]) < 2 * std[found.names.index(n)] for n in FREE]
+    assert np.mean(inside) >= 0.88
+
+
+def test_the_deviation_of_a_derived_size_follows_from_its_parameters() -> None:
+    names = ("x", "y", "z", "yaw", "span_x", "rise_ratio_x")
+    cov = np.zeros((6, 6))
+    cov[4, 4], cov[5, 5] = 0.01**2, 0.002**2
+    std = derived_std(TRUTH, names, cov)
+    assert std["rise_x"] == pytest.approx(np.hypot(0.4 * 0.01, 4.2 * 0.002), rel=1e-4)
+    assert std["rise_y"] == 0.0
+
+
+def test_a_solution_keeps_the_order_of_its_unknowns() -> None:
+    points = cloud(300, 0.0, np.random.default_rng(5))
+    found: Solution = solve(TRUTH, points, np.ones(len(points)), ("span_y",), (0.05,))
+    assert found.names == ("x", "y", "z", "yaw", "span_y")
+    assert found.jacobian.shape == (len(points), 5)
