@@ -217,6 +217,7 @@ def test_the_mouth_of_a_lunette_stays_open():
         Trough(3.0, 5.0, Pointed(1.2), south_ratio=0.4, north_ratio=1.0),
         Mirror(3.0, 5.0, run_x_ratio=0.26, run_y_ratio=0.88, rise_ratio=0.75),
         Groin(3.0, 5.0, Pointed(0.9), Segmental(0.3), crown_rise_ratio=0.1, offset_x_ratio=0.05),
+        Groin(4.6, 5.4, Segmental(0.37154), Segmental(0.31624)),  # rises of 1.7091 and 1.7077 m
         Dome(2.0, Pointed(0.8), drum_ratio=0.0, pendentive_ratio=1.0),
         Lunette(4.0, 6.0, Segmental(0.4), 2, pitch_ratio=0.8, width_ratio=1.0, springing_ratio=1.0),
     ],
