@@ -58,13 +58,17 @@ def _moved(scene: Scene, x: float, y: float, sign: int) -> Scene:
 def _part(part: Part, x: float, y: float, sign: int) -> Part:
     if not isinstance(part, Barrel):
         return part
-    centre = round(sign * (part.centre - (x if part.across == "x" else y)), DECIMALS)
+    centre = _place(part.centre, x if part.across == "x" else y, sign)
     return replace(part, centre=centre, side=sign * part.side, names=("", ""))
 
 
 def _range(side: tuple[float, float], middle: float, sign: int) -> tuple[float, float]:
-    low, high = sorted(round(sign * (place - middle), DECIMALS) for place in side)
+    low, high = sorted(_place(place, middle, sign) for place in side)
     return low, high
+
+
+def _place(place: float, middle: float, sign: int) -> float:
+    return sign * (round(place - middle, DECIMALS) if middle else place)
 
 
 def _placed(shape: TopoDS_Shape, x: float, y: float, sign: int) -> TopoDS_Shape:
