@@ -20,6 +20,7 @@ NORMAL_NEIGHBOURS = 12
 NEIGHBOURS = 3  # cells of a surface touch so many others at least, or one that does; strays and lines do not
 SPARSE = 0.1  # cells with less than this share of the usual number of points say nothing about the size of the cloud
 MISFIT = 1 / 400  # masonry departs from its ideal by this share of its size; epsilon allows that
+NOISE_BAND = 6.0  # standard deviations of noise that epsilon holds at least
 PRICE = 0.5  # of a primitive, in minimum supports: half of its points may lie near epsilon
 LEAST_CELLS = 20.0
 STEPS = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1], indexing="ij"), axis=-1).reshape(-1, 3)
@@ -83,7 +84,7 @@ def working_cloud(
     mean, raw = np.asarray(thinned.xyz[order], dtype=np.float64), raw[order]
     cell, code, count = cell[order], code[order], thinned.count[order]
     normal = _normals(mean, None if normals is None else normals[thinned.first[order]])
-    epsilon = settings.epsilon or max(MISFIT * extent, 1e-6)
+    epsilon = settings.epsilon or max(MISFIT * extent, NOISE_BAND * _noise(mean, raw, normal, tail, head), 1e-6)
     return WorkingCloud(
         mean, raw, normal, count, cell, code, size, tail, head, epsilon, settings.min_points(int(count.sum()))
     )
@@ -106,6 +107,19 @@ def _cell_size(probe: Floats, points: int, settings: Settings) -> tuple[float, f
     spacing = math.sqrt(area / points)
     wanted = settings.beta / 2.0 if settings.beta else math.sqrt(1.5 * area / TARGET)
     return max(wanted, 2.0 * spacing, extent * 1e-4), extent
+
+
+def _noise(mean: Floats, raw: Floats, normal: Floats, tail: Ints, head: Ints) -> float:
+    """Standard deviation [m] of true points from the surface, by the median.
+
+    A point's height above the mean of the cells around it is noise and curvature; curvature is what its neighbours have
+    too, once their normals point alike.
+    """
+    degree = np.maximum(np.bincount(tail, minlength=len(mean)), 1)
+    direction = np.nan_to_num(normal)
+    height = np.bincount(tail, np.einsum("ij,ij->i", mean[head] - raw[tail], direction[tail]), len(mean)) / degree
+    alike = np.sign(np.einsum("ij,ij->i", direction[tail], direction[head]))
+    return 1.4826 * float(np.median(np.abs(height - np.bincount(tail, alike * height[head], len(mean)) / degree)))
 
 
 def _normals(mean: Floats, given: NDArray[np.floating] | None) -> Floats:

@@ -15,6 +15,7 @@ from segmentation.ransac_cloud import WorkingCloud
 Ints = NDArray[np.int64]
 
 MARGIN = 2  # cells next to another primitive that are taken away
+LEAST_CELLS = 10  # of a component; fewer are crumbs at an edge
 SMALLEST_CORE = 0.25  # of the minimum support; a smaller core grows out of its neighbours again
 
 
@@ -37,7 +38,7 @@ def split(cloud: WorkingCloud, labels: Ints) -> Ints:
     extra = _components(cloud, labels, rest, cloud.min_points)
     grown = np.where(extra > 0, extra + grown.max(initial=0), grown)
     points = np.bincount(grown, weights=cloud.count, minlength=1)
-    kept = points >= cloud.min_points
+    kept = (points >= cloud.min_points) & (np.bincount(grown) >= LEAST_CELLS)
     kept[0] = False
     owner = np.zeros(len(kept), dtype=np.int64)
     owner[grown] = labels
