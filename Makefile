@@ -16,7 +16,7 @@ unexport PYTHONDONTWRITEBYTECODE
 .PHONY: help install demo test check format bench fuzz lock clean
 
 help:
-	@echo 'make demo     scan a groin vault in a room virtually, then fit it: demo/groin'
+	@echo 'make demo     fit the scan examples/room.laz: demo/groin'
 	@echo 'make test     style, types, imports, then the tests  (ARGS="-k groin" for some of them)'
 	@echo 'make check    style, types and imports alone'
 	@echo 'make format   put the code in order'
@@ -29,10 +29,8 @@ help:
 install: .venv/project.stamp
 
 demo: install
-	mkdir -p demo
-	$(BIN)/vaultcad scan groin -o demo/room.laz
-	$(BIN)/vaultcad fit demo/room.laz -o demo/groin
-	@echo 'The scan is demo/room.laz; the model, the labelled scan and the report are in demo/groin (open demo/groin/report.html).'
+	$(BIN)/vaultcad fit examples/room.laz -o demo/groin
+	@echo 'Open demo/groin/report.html in a browser, model.ifc or model.step in CAD or BIM, segments.laz in CloudCompare.'
 
 test: check
 	$(BIN)/python -m pytest $(WORKERS) $(ARGS)
