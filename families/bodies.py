@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import reduce
 from math import pi
@@ -25,6 +25,7 @@ from families.outline import Bow, Point, half_outline
 from families.parts import Ball, Barrel, Ceiling, Lid, Part, Piece, Turned
 from families.profiles import Arc, Curve
 from families.sketch import MM, TOUCH, Upright, sketch
+from families.trust import has_ellipse, shows
 
 CORNERS = [(True, True), (False, True), (False, False), (True, False)]  # x > 0 and y > 0, counterclockwise
 SLACK = 1e-5  # of a volume
@@ -32,8 +33,19 @@ ACCURACY = 1e-7  # of a volume: not told it, OpenCASCADE misses 1e-5 where two a
 FUZZY = (1e-3, 1e-2, 1e-4, 1e-1)  # [mm], tried in turn: surfaces tangent at a corner of a cell meet none too sharply
 
 
-def union(pieces: Iterable[Piece], cell: Cell) -> TopoDS_Shape | None:
-    """The union of pieces within a cell (`Turned` parts may stand beyond it); None if there is nothing."""
+def union(pieces: tuple[Piece, ...], cell: Cell) -> TopoDS_Shape | None:
+    """The union of pieces within a cell (`Turned` parts may stand beyond it); None if there is nothing.
+
+    Raises:
+        ValueError: OpenCASCADE cannot intersect the bodies.
+    """
+    shape = _union(pieces, cell)
+    if shape is not None and has_ellipse(pieces) and not shows(shape, pieces, cell):
+        raise ValueError("OpenCASCADE cannot intersect the ellipses of this vault; change a parameter a little")
+    return shape
+
+
+def _union(pieces: tuple[Piece, ...], cell: Cell) -> TopoDS_Shape | None:
     shapes = [shape for piece in pieces if (shape := _piece(piece, cell)) is not None]
     if len(shapes) > 1:
         sizes = [volume(shape) for shape in shapes]

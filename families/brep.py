@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import colorsys
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,7 @@ from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
 from families.bodies import cut, union, volume
 from families.cells import cuts
-from families.parts import Piece
+from families.parts import Piece, Plan
 from families.reuse import Scene, made
 from families.sewing import faces, inner_points, sewn
 from families.vault import Vault
@@ -20,12 +21,16 @@ if TYPE_CHECKING:
 
 EXTRADOS, SIDE = "extrados", "side"
 GREY = (0.62, 0.6, 0.57)
-ON_SURFACE = 1e-6  # [m]
+OVAL, OVAL_ERROR = 8, 3e-4  # pairs of arcs in a quarter; [m] off ellipses of usual sizes, far below any thickness
+EXACT = 1e-6  # [m]
 
 
 def void(vault: Vault) -> TopoDS_Shape:
-    """The room under the vault, above the springing and within the plan."""
-    pieces, plan = vault.pieces(), vault.plan
+    """The room under the vault, above the springing and within the plan; about ellipses see `_built`."""
+    return _built(vault, lambda pieces: _void(pieces, vault.plan))
+
+
+def _void(pieces: tuple[Piece, ...], plan: Plan) -> TopoDS_Shape:
     where = cuts(pieces, plan)
     cells = where.cells(plan.half_x, plan.half_y, 0.0, _top(pieces))
     return sewn(made([((pieces, cell),) for cell in cells], lambda scenes: union(*scenes[0])), where)
@@ -34,12 +39,17 @@ def void(vault: Vault) -> TopoDS_Shape:
 def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
     """The void grown by a thickness [m] without the void itself; it stands on walls where the plan says so.
 
+    About ellipses see `_built`.
+
     Raises:
         ValueError: the thickness is not above 0.
     """
     if not thickness > 0:
         raise ValueError(f"thickness = {thickness:g} m must be above 0")
-    pieces, plan = vault.pieces(), vault.plan
+    return _built(vault, lambda pieces: _masonry(pieces, vault.plan, thickness))
+
+
+def _masonry(pieces: tuple[Piece, ...], plan: Plan, thickness: float) -> TopoDS_Shape:
     grown, where = tuple(piece.grown(thickness) for piece in pieces), cuts(pieces, plan)
     top, half_x, half_y = (
         _top(grown),
@@ -51,6 +61,22 @@ def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
     inner = where.cells(half_x + thickness, half_y + thickness, -thickness, top)
     jobs = [((grown, here), (pieces, here), (pieces, beyond)) for here, beyond in zip(outer, inner, strict=True)]
     return sewn(made(jobs, _shell), where)
+
+
+def _built(vault: Vault, build: Callable[[tuple[Piece, ...]], TopoDS_Shape]) -> TopoDS_Shape:
+    """The body of a vault's pieces, exact, or with ovals for ellipses where OpenCASCADE cannot intersect those.
+
+    It fails where two elliptical barrels are almost equally high, and touch at the crown. The ovals are within
+    `OVAL_ERROR` of the ellipses.
+    """
+    pieces = vault.pieces()
+    try:
+        return build(pieces)
+    except ValueError:
+        ovals = tuple(piece.as_oval(OVAL) for piece in pieces)
+        if ovals == pieces:
+            raise
+        return build(ovals)
 
 
 def _shell(scenes: tuple[Scene, ...]) -> TopoDS_Shape | None:
@@ -102,9 +128,12 @@ def face_names(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> list[tupl
     points = inner_points(found)
     here = vault.evaluate(points)
     half = np.array([vault.plan.half_x, vault.plan.half_y])
-    side = (np.abs(points[:, 2]) < ON_SURFACE) | (np.abs(np.abs(points[:, :2]) - half) < ON_SURFACE).any(axis=1)
+    ground = np.abs(points[:, 2]) < EXACT
+    side = ground | (np.abs(np.abs(points[:, :2]) - half) < EXACT).any(axis=1)
+    # Walls of a stilt stand on the plan's edge and are of the surface; other faces there only come near it.
+    shown = ~ground & (np.abs(here.distance) < np.where(side, EXACT, OVAL_ERROR))
     names = (EXTRADOS, SIDE, *vault.components)
-    kind = np.where(np.abs(here.distance) < ON_SURFACE, here.component + 1, side)
+    kind = np.where(shown, here.component + 1, side)
     return [(face, names[k]) for face, k in zip(found, kind, strict=True)]
 
 
@@ -113,10 +142,6 @@ def colour(vault: Vault, name: str) -> tuple[float, float, float]:
     if name not in vault.components:
         return GREY
     return colorsys.hsv_to_rgb(0.06 + vault.components.index(name) * 0.618034 % 1.0, 0.5, 0.85)
-
-
-def _grown(vault: Vault, thickness: float) -> tuple[Piece, ...]:
-    return tuple(piece.grown(thickness) for piece in vault.pieces())
 
 
 def _top(pieces: tuple[Piece, ...]) -> float:
