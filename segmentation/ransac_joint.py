@@ -89,10 +89,13 @@ def select(shapes: Shapes, cloud: WorkingCloud, epsilon: float, price: float, se
     some = spread(len(cloud), CHOICE_POINTS)
     choice = _Choice(cloud.mean[some], cloud.normal[some], epsilon, price * len(some) / len(cloud), settings)
     while True:
-        changed = choice.dropped(shapes) or choice.simplified(shapes) or choice.merged(shapes)
-        if changed is None:
+        for better in (choice.dropped, choice.simplified, choice.merged):
+            changed = better(shapes)
+            if changed is not None:
+                shapes = changed
+                break
+        else:
             return shapes
-        shapes = changed
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,6 +15,7 @@ from segmentation.ransac_cloud import WorkingCloud
 Ints = NDArray[np.int64]
 
 MARGIN = 2  # cells next to another primitive that are taken away
+GAP = 6.0  # cells between a component and a crumb that belongs to it
 LEAST_CELLS = 10  # of a component; fewer are crumbs at an edge
 SMALLEST_CORE = 0.25  # of the minimum support; a smaller core grows out of its neighbours again
 
@@ -23,7 +24,7 @@ def split(cloud: WorkingCloud, labels: Ints) -> Ints:
     """Components (m,) of the cells, 0 for none, counted by the primitives `labels` (m,), -1 for none, in ascending
     order.
 
-    A component has the minimum support; what is connected to none that has, is 0.
+    A component has the minimum support; what is near none that has, is 0.
     """
     same = labels[cloud.tail] == labels[cloud.head]
     boundary = ~same & (labels[cloud.tail] >= 0) & (labels[cloud.head] >= 0)
@@ -38,7 +39,7 @@ def split(cloud: WorkingCloud, labels: Ints) -> Ints:
     extra = _components(cloud, labels, rest, cloud.min_points)
     grown = np.where(extra > 0, extra + grown.max(initial=0), grown)
     points = np.bincount(grown, weights=cloud.count, minlength=1)
-    kept = (points >= cloud.min_points) & (np.bincount(grown) >= LEAST_CELLS)
+    kept = (points >= cloud.min_points) & (np.bincount(grown, minlength=1) >= LEAST_CELLS)
     kept[0] = False
     owner = np.zeros(len(kept), dtype=np.int64)
     owner[grown] = labels
@@ -46,7 +47,22 @@ def split(cloud: WorkingCloud, labels: Ints) -> Ints:
     order = order[np.lexsort((-points[order], owner[order]))]
     number = np.zeros(len(kept), dtype=np.int64)
     number[order] = np.arange(1, len(order) + 1)
-    return number[grown]
+    return _with_crumbs(cloud, labels, number[grown])
+
+
+def _with_crumbs(cloud: WorkingCloud, labels: Ints, components: Ints) -> Ints:
+    """Components with the cells of their primitive that a narrow gap cuts off, each to the nearest."""
+    from scipy.spatial import cKDTree
+
+    out = components.copy()
+    for primitive in np.unique(labels[(labels >= 0) & (components == 0)]):
+        loose = np.flatnonzero((labels == primitive) & (components == 0))
+        held = np.flatnonzero((labels == primitive) & (components > 0))
+        if len(held):
+            far, nearest = cKDTree(cloud.mean[held]).query(cloud.mean[loose], distance_upper_bound=GAP * cloud.size)
+            near = np.isfinite(np.asarray(far))
+            out[loose[near]] = components[held[np.asarray(nearest)[near]]]
+    return out
 
 
 def _components(cloud: WorkingCloud, labels: Ints, among: NDArray[np.bool_], smallest: float) -> Ints:

@@ -110,6 +110,22 @@ def test_stray_points_stay_out_and_take_nothing_away():
     assert compare(found.labels, np.concatenate((truth, np.zeros(30_000, dtype=int)))).least_iou > 0.97
 
 
+def test_walls_and_floor_are_components_of_their_own():
+    rng = np.random.default_rng(11)
+    xyz, normals, truth = cloud(BARREL)
+    turn = np.array([[np.cos(0.3), -np.sin(0.3), 0.0], [np.sin(0.3), np.cos(0.3), 0.0], [0.0, 0.0, 1.0]])
+    floor = rng.uniform(-1.0, 1.0, (60_000, 3)) * [3.0, 4.5, 0.0] - [0.0, 0.0, 3.0]
+    walls = rng.uniform(-1.0, 1.0, (60_000, 3)) * [0.0, 4.5, 1.5] - [0.0, 0.0, 1.5]
+    side = np.where(rng.random(60_000) < 0.5, -1.0, 1.0)
+    walls[:, 0] += 3.0 * side
+    added = np.concatenate((floor, walls)) @ turn.T + [1.3, -2.2, 0.7]
+    labels = np.concatenate((truth, np.full(60_000, 2), np.where(side < 0.0, 3, 4)))
+    noisy = np.concatenate((xyz, added)) + 0.003 * rng.normal(size=(len(labels), 3))
+    found = detect(noisy)
+    assert sorted(s.primitive.name for s in found.shapes) == ["cylinder", "plane", "plane", "plane"]
+    assert compare(found.labels, labels).least_iou > 0.95
+
+
 def test_points_that_are_not_finite_get_no_label():
     xyz, normals, truth = cloud(GROIN)
     xyz[::5] = np.nan
@@ -162,9 +178,10 @@ def test_one_plane_is_one_plane():
     assert shapes[0].rms == pytest.approx(0.004, rel=0.05)
 
 
-def test_a_plane_is_no_giant_sphere_or_cylinder():
+@pytest.mark.parametrize("noise", [0.0, 0.004])
+def test_a_plane_is_no_giant_sphere_or_cylinder(noise):
     rng = np.random.default_rng(9)
-    xyz = np.column_stack((rng.random((30_000, 2)) * 5.0, np.zeros(30_000)))
+    xyz = np.column_stack((rng.random((30_000, 2)) * 5.0, noise * rng.normal(size=30_000)))
     assert detect(xyz, settings=Settings(primitives=("sphere", "cylinder"))).shapes == ()
 
 
