@@ -7,6 +7,7 @@ from pathlib import Path
 
 import typer
 
+from families import Profile
 from vaultcad.cli.tables import show_table
 from vaultcad.model import Estimate, FittedVault, Model
 
@@ -23,12 +24,15 @@ def _rows(fitted: FittedVault) -> Iterator[tuple[str, str]]:
     others = ", ".join(f"{name} {score:.0%}" for name, score in fitted.alternatives[:3])
     if others:
         yield "or else", others
+    for name, value in vars(fitted.vault).items():
+        if isinstance(value, Profile):
+            yield name, value.id
     for name, estimate in fitted.parameters.items():
         if estimate.unit == "m":
             yield name, _size(estimate)
     d = fitted.deviation
     near = ", ".join(f"{share:.0%} within {1000 * limit:g} mm" for limit, share in d.within.items())
-    yield "deviation", f"rms {1000 * d.rms:.1f} mm, 95 % below {1000 * d.p95:.1f} mm; {near}; {d.loa}"
+    yield "deviation", f"rms {1000 * d.rms:.1f} mm, 95% below {1000 * d.p95:.1f} mm; {near}; {d.loa}"
     if fitted.as_built is not None:
         yield "as built", f"rms {1000 * fitted.as_built.rms:.1f} mm from the smooth surface through the points"
     points = sum(c.points for c in fitted.components)
@@ -41,5 +45,5 @@ def _rows(fitted: FittedVault) -> Iterator[tuple[str, str]]:
 
 
 def _size(estimate: Estimate) -> str:
-    std = "" if estimate.std is None else f" ± {1000 * estimate.std:.1f} mm"
+    std = "" if not estimate.std else f" ± {1000 * estimate.std:.1f} mm"
     return f"{estimate.value:.3f} m{std}"
