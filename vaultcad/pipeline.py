@@ -33,7 +33,8 @@ Progress = Callable[[str], None]
 STAGES = ("thinning", "recognising", "fitting", "labelling", "measuring")
 TOLERANCE = (0.03, 0.12)  # m, limits of the band that a vault's points lie in
 BAND = 4.0  # that band in scatters of the fit
-EXPLAINED = 0.5  # share of what hangs over the springing that a vault must explain
+EXPLAINED = 0.65  # share of what hangs over the springing that a vault must explain
+ALIGNED = 0.8  # cosine between the normals of scan and model where a point is explained
 FLAT = 0.05  # rise / shorter side of the plan below which a ceiling is no vault
 AS_BUILT = 20_000  # points of the as-built surface; half of them make it, the other half measure it
 
@@ -123,7 +124,9 @@ def _check(placed: Placed, site: Site, tolerance: float) -> None:
     local = site.points @ placed.pose.frame()[:, :3].T + placed.pose.frame()[:, 3]
     inside = (np.abs(local[:, 0]) < plan.half_x) & (np.abs(local[:, 1]) < plan.half_y)
     above = inside & (local[:, 2] > 0) & (np.abs(site.normals[:, 2]) > STEEP)
-    share = float((np.abs(placed.distance(site.points[above])) < tolerance).mean()) if above.any() else 0.0
+    surface = vault.evaluate(site.points[above], frame=placed.pose.frame(), walls=True)
+    along = np.abs(np.einsum("nc,nc->n", surface.normal, site.normals[above]))
+    share = float(((np.abs(surface.distance) < tolerance) & (along > ALIGNED)).sum() / max(1, above.sum()))
     if share < EXPLAINED:
         raise NoVaultError(
             f"no vault found: the best model, a {vault.title}, explains {share:.0%} of what hangs over its springing; "

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from segmentation.cloud import Cloud
 
 Array = NDArray[np.float64]
+SMALL = 0.3  # m; what stands above the floor is no vault if it is flatter than this along any axis
 FEWEST = 1000  # points of a scan
 CELL, CELLS = 0.004, (0.02, 0.08)  # thinning, as a share of the scan's diagonal, and its limits in metres
 UPRIGHT = 0.1  # |nz| of a wall at the most, where haunches must not be taken for one
@@ -95,6 +96,10 @@ def find_site(points: Array, normals: Array, spacing: float) -> Site:
     points, normals = points[good], normals[good]
     keep = ~_floor(points, normals)
     points, normals = points[keep], normals[keep]
+    if len(points) < 100 or np.ptp(points, axis=0).min() < SMALL:
+        raise NoVaultError(
+            "no vault found: nothing but a floor or a wall is in the scan; scan the whole room under a vault"
+        )
     steep = np.abs(normals[:, 2]) < STEEP
     yaw = _yaw(points, normals)
     low, high, walled = _rectangle(

@@ -227,3 +227,14 @@ def test_unusual_vaults_have_a_valid_masonry(vault):
     shape = masonry(vault, 0.3)
     assert BRepCheck_Analyzer(shape).IsValid()
     assert 0.7 * area(vault) * 0.3 < volume(shape) < 2 * area(vault) * 0.3
+
+
+def test_elliptical_barrels_that_touch_at_the_crown_become_ovals_near_the_ellipses() -> None:
+    vault = Groin(5.0195, 5.0135, Elliptical(0.4943), Elliptical(0.495))
+    vertices = mesh(vault).vertices
+    assert np.abs(vault.distance(vertices)).max() < brep.OVAL_ERROR
+    assert {name for _, name in brep.face_names(brep.masonry(vault, 0.15), vault)} == {
+        *vault.components,
+        brep.EXTRADOS,
+        brep.SIDE,
+    }

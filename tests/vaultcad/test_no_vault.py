@@ -1,0 +1,57 @@
+"""Scans without a vault are refused, whatever stands in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from families import Dome, Mirror, Sail, Trough, Vault
+from segmentation.cloud import Cloud
+from vaultcad.errors import NoVaultError
+from vaultcad.pipeline import Settings, fit_scan
+
+Points = NDArray[np.float64]
+
+
+def plane(rng: np.random.Generator) -> Points:
+    return rng.uniform(-3, 3, (20_000, 3)) * [1, 1, 0]
+
+
+def wall(rng: np.random.Generator) -> Points:
+    return plane(rng)[:, [0, 2, 1]]
+
+
+def flat_room(rng: np.random.Generator) -> Points:
+    sides = []
+    for axis in range(3):
+        for side in (0, 1):
+            face = rng.uniform(0, 1, (8000, 3))
+            face[:, axis] = side
+            sides.append(face * [5, 7, 3])
+    return np.concatenate(sides)
+
+
+def ball_on_a_floor(rng: np.random.Generator) -> Points:
+    ball = rng.standard_normal((20_000, 3))
+    ball /= np.linalg.norm(ball, axis=1)[:, None]
+    return np.concatenate([ball, plane(rng) - [0, 0, 1]])
+
+
+def noise(rng: np.random.Generator) -> Points:
+    return rng.uniform(0, 4, (8000, 3))
+
+
+@pytest.mark.parametrize(
+    ("scene", "family"),
+    [(plane, Sail), (wall, Trough), (flat_room, Mirror), (ball_on_a_floor, Dome), (noise, Sail)],
+    ids=lambda value: value.__name__,
+)
+def test_what_is_no_vault_is_refused(scene: Callable[[np.random.Generator], Points], family: type[Vault]) -> None:
+    rng = np.random.default_rng(0)
+    xyz = scene(rng)
+    xyz += 0.002 * rng.standard_normal(xyz.shape)
+    with pytest.raises(NoVaultError, match="no vault found"):
+        fit_scan(Cloud(xyz.astype(np.float32)), Settings(families=(family,)))
