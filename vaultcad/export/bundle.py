@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.errors import ExportError
+from vaultcad.export.buildable import buildable
 from vaultcad.export.glb import write_glb
 from vaultcad.export.ifc import write_ifc
 from vaultcad.export.report_html import write_report_html
@@ -24,6 +25,7 @@ from vaultcad.model import Model
 REPORT = "report.json"
 SEGMENTS = "segments.laz"
 PAGE = "report.html"
+SOLIDS = ("model.step", "model.ifc", "model.glb")
 WRITERS: dict[str, Callable[[Model, Path], None]] = {
     "model.step": write_step,
     "model.ifc": write_ifc,
@@ -58,17 +60,19 @@ def write_all(
         progress: is told each file's name before it is written.
 
     Raises:
-        ExportError: `out` is something else than a new or empty folder or an earlier result, or cannot be written.
+        ExportError: `out` is something else than a new or empty folder or an earlier result, or cannot be written; or
+            a vault cannot be built.
         OSError: the disk is full, or a file cannot be written for another reason of the system's.
     """
     writers = dict(WRITERS)
     writers[PAGE] = partial(write_report_html, points=points, component=component, deviation=deviation, vault=vault)
     writers[SEGMENTS] = lambda _, path: segments(path)
     check_target(out)
+    solids = buildable(model)
     with _beside(out) as part:
         for name, write in writers.items():
             progress(name)
-            write(model, part / name)
+            write(solids if name in SOLIDS else model, part / name)
         _into_place(part, out)
 
 
