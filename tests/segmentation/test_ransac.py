@@ -112,7 +112,7 @@ def test_stray_points_stay_out_and_take_nothing_away():
 
 def test_walls_and_floor_are_components_of_their_own():
     rng = np.random.default_rng(11)
-    xyz, normals, truth = cloud(BARREL)
+    xyz, _, truth = cloud(BARREL)
     turn = np.array([[np.cos(0.3), -np.sin(0.3), 0.0], [np.sin(0.3), np.cos(0.3), 0.0], [0.0, 0.0, 1.0]])
     floor = rng.uniform(-1.0, 1.0, (60_000, 3)) * [3.0, 4.5, 0.0] - [0.0, 0.0, 3.0]
     walls = rng.uniform(-1.0, 1.0, (60_000, 3)) * [0.0, 4.5, 1.5] - [0.0, 0.0, 1.5]
