@@ -73,14 +73,22 @@ def gradient(kind: int, row: Floats, x: float, y: float, z: float) -> tuple[floa
 
 @njit(cache=True, nogil=True)
 def residuals(
-    kinds: NDArray[np.int64], rows: Floats, xyz: Floats, normals: Floats, distance: Floats, cosine: Floats
+    kinds: NDArray[np.int64],
+    rows: Floats,
+    xyz: Floats,
+    normals: Floats,
+    distance: Floats,
+    cosine: Floats,
+    start: int,
+    stop: int,
 ) -> None:
     """Signed distances (k, n) [m] of points (n, 3) to k primitives, and |cos| (k, n) between the normals of both.
 
-    With normals (0, 3) only distances are written. A normal that is NaN gives a NaN cosine.
+    Only of the points from `start` to `stop`, so that threads share the work. With normals (0, 3) only distances are
+    written. A normal that is NaN gives a NaN cosine.
     """
     for k in range(len(kinds)):
-        for i in range(len(xyz)):
+        for i in range(start, stop):
             d, a, b, c = gradient(kinds[k], rows[k], xyz[i, 0], xyz[i, 1], xyz[i, 2])
             distance[k, i] = d
             if len(normals) > 0:

@@ -20,6 +20,7 @@ NORMAL_NEIGHBOURS = 12
 NEIGHBOURS = 3  # cells of a surface touch so many others at least, or one that does; strays and lines do not
 SPARSE = 0.1  # cells with less than this share of the usual number of points say nothing about the size of the cloud
 MISFIT = 1 / 400  # masonry departs from its ideal by this share of its size; epsilon allows that
+RUN, EVERY = 256, 5  # noise is measured on runs of so many cells, every fifth
 NOISE_BAND = 6.0  # standard deviations of noise that epsilon holds at least
 PRICE = 0.5  # of a primitive, in minimum supports: half of its points may lie near epsilon
 LEAST_CELLS = 20.0
@@ -115,11 +116,16 @@ def _noise(mean: Floats, raw: Floats, normal: Floats, tail: Ints, head: Ints) ->
     A point's height above the mean of the cells around it is noise and curvature; curvature is what its neighbours have
     too, once their normals point alike.
     """
-    degree = np.maximum(np.bincount(tail, minlength=len(mean)), 1)
+    sampled = np.arange(len(mean)) // RUN % EVERY == 0
+    inner = sampled[tail] & sampled[head]
+    tail, head = tail[inner], head[inner]
+    count = np.bincount(tail, minlength=len(mean))
+    degree = np.maximum(count, 1)
     direction = np.nan_to_num(normal)
     height = np.bincount(tail, np.einsum("ij,ij->i", mean[head] - raw[tail], direction[tail]), len(mean)) / degree
     alike = np.sign(np.einsum("ij,ij->i", direction[tail], direction[head]))
-    return 1.4826 * float(np.median(np.abs(height - np.bincount(tail, alike * height[head], len(mean)) / degree)))
+    rough = np.abs(height - np.bincount(tail, alike * height[head], len(mean)) / degree)[count >= NEIGHBOURS]
+    return 1.4826 * float(np.median(rough)) if len(rough) else 0.0
 
 
 def _normals(mean: Floats, given: NDArray[np.floating] | None) -> Floats:

@@ -6,6 +6,8 @@ the order of what each adds. Source: Schnabel, Wahl and Klein 2007; local optimi
 """
 
 import math
+import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +26,7 @@ DRAWS = 384  # minimal sets of each kind in a round
 FIRST, SECOND = 256, 1024  # unexplained points that the lazy scores look at
 JUDGES = 8000  # cells that the polished ones are judged on
 FINALISTS = 12  # hypotheses of a round that are polished
+SHARED = 20_000  # distances above which threads share the work
 LOCAL_SUCCESS = 0.1  # share of localised sets on one primitive whose points do lie on it alone
 EMPTY = (np.empty(0, dtype=np.int64), np.empty((0, 8)))
 
@@ -49,16 +52,25 @@ class Shapes:
 
 def measure(shapes: Shapes, xyz: Floats, normals: Floats) -> tuple[Floats, Floats]:
     """Signed distances (k, n) [m] and |cos| (k, n) of the angles between normals; NaN cosines count as right."""
-    distance, cosine = np.empty((len(shapes), len(xyz))), np.empty((len(shapes), len(xyz)))
-    residuals(shapes.kinds, shapes.rows, xyz, normals, distance, cosine)
-    return distance, np.where(np.isnan(cosine), 1.0, cosine)
+    distance, cosine = np.empty((len(shapes), len(xyz))), np.empty((len(shapes), len(normals)))
+    cores = (os.cpu_count() or 1) if distance.size > SHARED else 1
+    edges = [len(xyz) * i // cores for i in range(cores + 1)]
+
+    def work(start: int, stop: int) -> None:
+        residuals(shapes.kinds, shapes.rows, xyz, normals, distance, cosine, start, stop)
+
+    if cores == 1:
+        work(0, len(xyz))
+    else:
+        with ThreadPoolExecutor(cores) as pool:
+            list(pool.map(work, edges[:-1], edges[1:]))
+    cosine[np.isnan(cosine)] = 1.0
+    return distance, cosine
 
 
 def gaps(shapes: Shapes, xyz: Floats) -> Floats:
-    """Signed distances (k, n) [m] alone, which is quicker."""
-    distance = np.empty((len(shapes), len(xyz)))
-    residuals(shapes.kinds, shapes.rows, xyz, np.empty((0, 3)), distance, np.empty((0, 0)))
-    return distance
+    """Signed distances (k, n) [m] alone."""
+    return measure(shapes, xyz, np.empty((0, 3)))[0]
 
 
 def support(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, cos_alpha: float) -> Floats:
