@@ -195,5 +195,7 @@ def _estimates(refined: Refined) -> dict[str, Estimate]:
         p.name: Estimate(values[p.name], p.range.unit, std.get(p.name), p.range.meaning) for p in vault.parameters()
     }
     for name, value in derived.items():
-        found[name] = Estimate(value, declared[name].unit, derived_stds[name], declared[name].meaning, derived=True)
+        found[name] = Estimate(
+            value, declared[name].unit, derived_stds[name] or None, declared[name].meaning, derived=True
+        )
     return found
