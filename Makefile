@@ -49,7 +49,7 @@ bench: install
 	$(BIN)/python -m bench $(ARGS)
 
 fuzz: install
-	$(BIN)/python -m pytest tests/fuzz $(ARGS)
+	$(BIN)/python -m pytest fuzz $(ARGS)
 
 # No --upgrade: what the lock holds already stays as it is.
 lock:

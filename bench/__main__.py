@@ -1,0 +1,32 @@
+"""Runs the benchmarks that are named, or all, and prints their tables with date and machine."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+from datetime import date
+
+from bench import rooms, shapes
+
+BENCHMARKS = {"shapes": shapes.run, "rooms": rooms.run}
+
+
+def main() -> None:
+    """The command line."""
+    parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
+    parser.add_argument("names", nargs="*", default=[], help=f"any of {', '.join(BENCHMARKS)}; all if none is named")
+    parser.add_argument("--seeds", type=int, default=3, help="seeds of each ideal cloud (shapes), default 3")
+    parser.add_argument("--rooms", type=int, default=14, help="virtual scans (rooms), default 14")
+    parser.add_argument("--points", type=int, default=1_000_000, help="points of a cloud, default 1000000")
+    chosen = parser.parse_args()
+    unknown = sorted(set(chosen.names) - set(BENCHMARKS))
+    if unknown:
+        parser.error(f"no benchmark {', '.join(unknown)}; there are {', '.join(BENCHMARKS)}")
+    machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
+    print(f"{date.today()}, {machine}, Python {platform.python_version()}")
+    for name in chosen.names or BENCHMARKS:
+        BENCHMARKS[name](chosen)
+
+
+main()
