@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from abc import abstractmethod
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +21,8 @@ if TYPE_CHECKING:
     from families.sampling import Sample
 
 IDENTITY = np.eye(3, 4)
+CHUNK = 1 << 17  # points that a thread takes at once
+Part = TypeVar("Part")
 
 
 @dataclass(frozen=True)
@@ -66,11 +71,12 @@ class Vault(Parametric):
         """
         from families import kernel
 
-        points = _points(xyz)
         table = kernel.pack(self.pieces(), self.components)
-        if walls:
-            return Surface(*kernel.surface(points, frame, table, kernel.pack_plan(self.plan)))
-        return Surface(*kernel.surface(points, frame, table, kernel.pack_plan(None)))
+        plan = kernel.pack_plan(self.plan if walls else None)
+        parts = _in_threads(lambda points: kernel.surface(points, frame, table, plan), _points(xyz))
+        if len(parts) == 1:
+            return Surface(*parts[0])
+        return Surface(*(np.concatenate(column) for column in zip(*parts, strict=True)))
 
     def distance(
         self, xyz: NDArray[np.floating], *, frame: NDArray[np.float64] = IDENTITY, walls: bool = False
@@ -79,7 +85,9 @@ class Vault(Parametric):
         from families import kernel
 
         table = kernel.pack(self.pieces(), self.components)
-        return kernel.distances(_points(xyz), frame, table, kernel.pack_plan(self.plan if walls else None))  # type: ignore[no-any-return]  # numba is untyped
+        plan = kernel.pack_plan(self.plan if walls else None)
+        parts = _in_threads(lambda points: kernel.distances(points, frame, table, plan), _points(xyz))
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def intrados(self) -> build123d.Compound:
         """The intrados [mm]: one labelled, coloured face or shell a component."""
@@ -98,6 +106,14 @@ class Vault(Parametric):
         from families import sampling
 
         return sampling.sample(self, count, rng)
+
+
+def _in_threads(work: Callable[[NDArray[np.float64]], Part], points: NDArray[np.float64]) -> list[Part]:
+    """The results of compiled work, which lets other threads run, on runs of `CHUNK` points in their order."""
+    if len(points) <= CHUNK:
+        return [work(points)]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(work, (points[k : k + CHUNK] for k in range(0, len(points), CHUNK))))
 
 
 def _points(xyz: NDArray[np.floating]) -> NDArray[np.float64]:
