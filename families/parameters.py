@@ -62,10 +62,10 @@ class Parametric:
         """
         for name, limits, integer in _own_parameters(type(self)):
             value = getattr(self, name)
+            if not limits.low <= value <= limits.high:  # not a number either
+                raise ValueError(f"{name} = {value:g} lies outside [{limits.low:g}, {limits.high:g}] {limits.unit}")
             if integer and value != int(value):
                 raise ValueError(f"{name} = {value:g} must be a whole number from {limits.low:g} to {limits.high:g}")
-            if not limits.low <= value <= limits.high:
-                raise ValueError(f"{name} = {value:g} lies outside [{limits.low:g}, {limits.high:g}] {limits.unit}")
 
     def parameters(self) -> tuple[Parameter, ...]:
         """Flat list of all parameters; those of a nested `profile_x` are named like `rise_ratio_x`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -20,21 +21,21 @@ ANY_SIZE = (0.0, math.inf)
 
 
 @dataclass(frozen=True)
-class Primitive:
+class Primitive(ABC):
     """What the five share. Points are (n, 3) [m], in any frame; distances are positive outside."""
 
     kind: ClassVar[int]
     name: ClassVar[str]
 
     @property
+    @abstractmethod
     def row(self) -> Floats:
         """The flat form of `primitives_numeric`, (8,)."""
-        raise NotImplementedError
 
     @classmethod
+    @abstractmethod
     def from_row(cls, row: Sequence[float] | Floats) -> Self:
         """The primitive of a flat row (8,)."""
-        raise NotImplementedError
 
     @classmethod
     def from_sample(cls, xyz: ArrayLike, normals: ArrayLike) -> Self | None:

@@ -101,3 +101,9 @@ def test_the_mirror_keeps_the_equation_of_the_paper():
 
 def test_equal_vaults_are_equal_and_can_be_keys():
     assert {Barrel(5.0, 8.0, Semicircular()): 1}[Barrel()] == 1
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 2.5])
+def test_a_count_that_is_no_whole_number_in_range_is_refused_by_name(value):
+    with pytest.raises(ValueError, match="count = "):
+        Lunette(count=value)

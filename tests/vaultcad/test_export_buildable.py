@@ -10,17 +10,17 @@ from vaultcad.errors import ExportError
 from vaultcad.export import buildable as module
 
 
-def test_a_vault_that_can_be_built_stays_as_it_is(make_model) -> None:  # type: ignore[no-untyped-def]
+def test_a_vault_that_can_be_built_stays_as_it_is(make_model) -> None:
     model = make_model("trough")
     assert module.buildable(model).vaults[0].vault == model.vaults[0].vault
 
 
-def test_a_vault_that_cannot_be_built_is_moved_by_less_than_a_millimetre(make_model, monkeypatch) -> None:  # type: ignore[no-untyped-def]
+def test_a_vault_that_cannot_be_built_is_moved_by_less_than_a_millimetre(make_model, monkeypatch) -> None:
     model = make_model("groin")
     vault = model.vaults[0].vault
     tried = []
 
-    def masonry(trial, thickness):  # type: ignore[no-untyped-def]
+    def masonry(trial, thickness):
         tried.append(trial)
         if trial == vault:
             raise ValueError("OpenCASCADE cannot do it")
@@ -33,8 +33,8 @@ def test_a_vault_that_cannot_be_built_is_moved_by_less_than_a_millimetre(make_mo
     assert moved.derived_values() == pytest.approx(vault.derived_values(), abs=1e-3)
 
 
-def test_a_vault_that_cannot_be_built_at_all_is_refused(make_model, monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    def never(*_):  # type: ignore[no-untyped-def]
+def test_a_vault_that_cannot_be_built_at_all_is_refused(make_model, monkeypatch) -> None:
+    def never(*_):
         raise ValueError("OpenCASCADE cannot do it")
 
     monkeypatch.setattr(module, "masonry", never)
