@@ -47,11 +47,16 @@ def mesh(vault: Vault, tolerance: float = 0.002) -> Mesh:
     return _meshed(shape, found, tolerance, inward=True)
 
 
-def mesh_solid(vault: Vault, thickness: float = 0.15, tolerance: float = 0.002) -> Mesh:
-    """The masonry as a closed mesh: every edge belongs to two triangles. They face outwards, away from the stone."""
+def mesh_solid(
+    vault: Vault, thickness: float = 0.15, tolerance: float = 0.002, shape: TopoDS_Shape | None = None
+) -> Mesh:
+    """The masonry as a closed mesh: every edge belongs to two triangles. They face outwards, away from the stone.
+
+    `shape` is what `brep.masonry` made of the same vault and thickness, where that is at hand already.
+    """
     from families import brep
 
-    shape = brep.masonry(vault, thickness)
+    shape = brep.masonry(vault, thickness) if shape is None else shape
     ids = {brep.SIDE: 0, **{name: k for k, name in enumerate((*vault.components, brep.EXTRADOS), 1)}}
     return _meshed(shape, [(face, ids[name]) for face, name in brep.face_names(shape, vault)], tolerance, inward=False)
 

@@ -36,10 +36,6 @@ class Bow:
         size = np.hypot(self.b * c, self.a * s)
         return self.u + self.a * c, self.z + self.b * s, self.b * c / size, self.a * s / size
 
-    def mirrored(self) -> Bow:
-        """The same on the other side of the axis."""
-        return replace(self, u=-self.u, start=pi - self.end, end=pi - self.start)
-
 
 @dataclass(frozen=True)
 class Wall:

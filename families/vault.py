@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 IDENTITY = np.eye(3, 4)
 CHUNK = 1 << 17  # points that a thread takes at once
-Part = TypeVar("Part")
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Vault(Parametric):
         return sampling.sample(self, count, rng)
 
 
-def _in_threads(work: Callable[[NDArray[np.float64]], Part], points: NDArray[np.float64]) -> list[Part]:
+def _in_threads(work: Callable[[NDArray[np.float64]], Found], points: NDArray[np.float64]) -> list[Found]:
     """The results of compiled work, which lets other threads run, on runs of `CHUNK` points in their order."""
     if len(points) <= CHUNK:
         return [work(points)]

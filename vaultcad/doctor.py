@@ -79,6 +79,7 @@ PROBES = (
     ),
     Probe("open3d", "open3d", "import open3d", "the virtual scanner"),
     Probe("trimesh", "trimesh", "import trimesh", "meshes and GLB"),
+    Probe("manifold3d", "manifold3d", "import manifold3d", "one body a component"),
     Probe("numba", "numba", "import numba", "compiled loops"),
     Probe("scipy", "scipy", "import scipy.optimize, scipy.spatial", "fitting"),
     Probe("ifcopenshell", "ifcopenshell", "import ifcopenshell.geom", "IFC"),

@@ -25,7 +25,7 @@ ENDS = 0.06  # share of the evidence that the ends of the stone have where there
 BELOW = 0.1  # m; a springing lower than this and two points under the lowest point is a guess
 BLOCK = 0.5  # m; settlement makes residuals alike within about this distance, so a block counts once
 FLOOR = 2e-3  # m; below this no scanner tells two models apart
-ROUGH, CLOSE = 1e-2, 1e-3  # share of the cost that a step must still gain, in the first and the second fit
+CLOSE = 1e-3  # share of the cost that a step must still gain
 HOPELESS = 2.5  # a family whose cost is this much above the best one's is not refined
 
 

@@ -64,7 +64,7 @@ def shell(vault: Vault, thickness: float) -> Mesh:
     Raises:
         ExportError: it has a hole.
     """
-    return closed(mesh_solid(vault, thickness, TOLERANCE))
+    return closed(mesh_solid(vault, thickness, TOLERANCE, masonry(vault, thickness)))
 
 
 @lru_cache(maxsize=KEPT)
