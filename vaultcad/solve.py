@@ -26,9 +26,13 @@ class Placed:
 
     def distance(self, points: Array) -> Array:
         """Signed distances (n,) [m] of points (n, 3) to the vault on its walls."""
-        table = kernel.pack(self.vault.pieces(), self.vault.components)
-        out: Array = kernel.distances(points, self.pose.frame(), table, kernel.pack_plan(self.vault.plan))
+        out: Array = kernel.distances(points, *self.packed())
         return out
+
+    def packed(self) -> tuple[Array, Array, Array]:
+        """Frame, table of bodies and outline, as `families.kernel` takes them."""
+        vault = self.vault
+        return self.pose.frame(), kernel.pack(vault.pieces(), vault.components), kernel.pack_plan(vault.plan)
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,7 @@ def solve(
         cost = float(weights @ robust_cost(r, scale))
         for _ in range(most):
             w = weights / (1 + (r / scale) ** 2) ** 2
-            jacobian = _jacobian(start, free, x, high, points, r)
+            jacobian = _jacobian(start, free, x, high, points)
             gradient, hessian = jacobian.T @ (w * r), (jacobian.T * w) @ jacobian
             resting = ((x <= low + MARGIN) & (gradient > 0)) | ((x >= high - MARGIN) & (gradient < 0))
             moved = False
@@ -104,7 +108,7 @@ def solve(
                 converged = True
                 break
     w = weights / (1 + (r / scales[-1]) ** 2) ** 2
-    return Solution(placed, names, r, w, _jacobian(start, free, x, high, points, r), converged)
+    return Solution(placed, names, r, w, _jacobian(start, free, x, high, points), converged)
 
 
 def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool_]) -> Array:
@@ -115,18 +119,28 @@ def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool
     return np.clip(step, -LONGEST, LONGEST)
 
 
-def _jacobian(start: Placed, free: tuple[str, ...], x: Array, high: Array, points: Array, r: Array) -> Array:
-    """Derivatives (n, k) of the distances: by the pose from the normals, by the parameters from finite differences."""
+def _jacobian(start: Placed, free: tuple[str, ...], x: Array, high: Array, points: Array) -> Array:
+    """Derivatives (n, k) of the distances: by the pose from the normals, by the parameters from finite differences.
+
+    The body that decides a point's distance still does after a small step, so only that one is asked again.
+    """
     jacobian = np.empty((len(points), len(x)))
     placed = _placed(start, free, x)
-    normal = placed.vault.evaluate(points, frame=placed.pose.frame(), walls=True).normal
+    frame, table, plan = placed.packed()
+    rows, normal = kernel.deciding(points, frame, table, plan)
     jacobian[:, :3] = -normal
     jacobian[:, 3] = normal[:, 0] * (points[:, 1] - x[1]) - normal[:, 1] * (points[:, 0] - x[0])
+    here = kernel.to_rows(points, frame, table, plan, rows)
     for k in range(len(POSE), len(x)):
         step = STEP if x[k] + STEP <= high[k] else -STEP
         moved = x.copy()
         moved[k] += step
-        jacobian[:, k] = (_placed(start, free, moved).distance(points) - r) / step
+        _, other, outline = _placed(start, free, moved).packed()
+        if len(other) == len(table):
+            there = kernel.to_rows(points, frame, other, outline, rows)
+        else:  # a trough that is just not yet a cloister
+            there = kernel.distances(points, frame, other, outline)
+        jacobian[:, k] = (there - here) / step
     return jacobian
 
 

@@ -5,6 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from families import (
+    FAMILIES,
     Barrel,
     BasketHandle,
     Dome,
@@ -17,6 +18,8 @@ from families import (
     Semicircular,
     Stilted,
     Trough,
+    Vault,
+    kernel,
 )
 from families.sampling import sample
 
@@ -220,3 +223,27 @@ def test_points_of_another_shape_are_refused():
 def test_float32_and_no_points_at_all_are_fine():
     assert Barrel().distance(np.zeros((0, 3))).shape == (0,)
     assert Barrel().distance(np.array([[0, 0, 2.0]], np.float32)) == pytest.approx([-0.5])
+
+
+@pytest.mark.parametrize("cls", FAMILIES, ids=lambda c: c.id)
+def test_the_body_that_decides_a_distance_has_that_distance(cls: type[Vault]) -> None:
+    vault = cls()
+    frame, table = np.eye(3, 4), kernel.pack(vault.pieces(), vault.components)
+    plan = kernel.pack_plan(vault.plan)
+    points = np.random.default_rng(7).uniform(-1.1, 1.1, (4000, 3)) * [vault.plan.half_x, vault.plan.half_y, 3.0]
+    rows, normals = kernel.deciding(points, frame, table, plan)
+    assert set(rows) > {kernel.WALL_Y}
+    assert kernel.to_rows(points, frame, table, plan, rows) == pytest.approx(
+        kernel.distances(points, frame, table, plan), abs=1e-12
+    )
+    assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_the_distance_to_an_ellipse_holds_near_and_far() -> None:
+    rng = np.random.default_rng(8)
+    angle = np.linspace(0, np.pi / 2, 20_001)
+    for a, b in ((2.0, 0.7), (0.8, 2.4), (1.5, 1.5 + 1e-9)):
+        on = np.column_stack([a * np.cos(angle), b * np.sin(angle)])
+        for u, z in rng.uniform(0, 3, (50, 2)):
+            nearest = np.hypot(*(on - [u, z]).T).min()
+            assert abs(kernel._ellipse(u, z, a, b)[0]) == pytest.approx(nearest, abs=1e-4)
