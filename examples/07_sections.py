@@ -1,6 +1,5 @@
 """Plan, two sections and a map of deviations of a fitted scan. Writes model/ (all that a fit leaves) and sections.png.
 
-Needs matplotlib, which the dev extra brings (`pip install vaultcad[dev]`).
 Usage: python examples/07_sections.py [FOLDER [SCAN]]
 """
 

@@ -33,6 +33,7 @@ def fit(
     up: Annotated[Literal["z", "y"], typer.Option(help="The axis that is up in the scan.")] = "z",
     seed: Seed = 0,
     thickness: Thickness = 0.15,
+    review: Annotated[bool, typer.Option("--review", help="Draw the fit to review.png, to be looked at.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print report.json instead of the summary.")] = False,
 ) -> None:
     """Fit a vault to a scan of its room: STEP, IFC, GLB, labelled points, report.
@@ -68,6 +69,7 @@ def fit(
             points=result.points,
             component=result.component,
             deviation=result.deviation,
+            review=review,
             progress=lambda name: bar.stage("writing", name),
         )
     if json:

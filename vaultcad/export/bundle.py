@@ -19,13 +19,14 @@ from vaultcad.export.glb import write_glb
 from vaultcad.export.ifc import write_ifc
 from vaultcad.export.report_html import write_report_html
 from vaultcad.export.report_json import SCHEMA, write_report_json
+from vaultcad.export.review import write_review
 from vaultcad.export.step import write_step
 from vaultcad.model import Model
 
 REPORT = "report.json"
 SEGMENTS = "segments.laz"
 PAGE = "report.html"
-SOLIDS = ("model.step", "model.ifc", "model.glb")
+REVIEW = "review.png"
 WRITERS: dict[str, Callable[[Model, Path], None]] = {
     "model.step": write_step,
     "model.ifc": write_ifc,
@@ -44,6 +45,7 @@ def write_all(
     component: NDArray[np.integer] | None = None,
     deviation: NDArray[np.floating] | None = None,
     vault: NDArray[np.integer] | None = None,
+    review: bool = False,
     progress: Callable[[str], None] = lambda name: None,
 ) -> None:
     """Write all files of a model into the folder `out`, which appears only when they are complete.
@@ -57,22 +59,29 @@ def write_all(
         component: see points.
         deviation: see points.
         vault: see points.
+        review: whether to draw review.png too, as `write_review` does; it needs points, component and deviation.
         progress: is told each file's name before it is written.
 
     Raises:
+        ValueError: a review without the points that it shows.
         ExportError: `out` is something else than a new or empty folder or an earlier result, or cannot be written; or
             a vault cannot be built.
         OSError: the disk is full, or a file cannot be written for another reason of the system's.
     """
     writers = dict(WRITERS)
     writers[PAGE] = partial(write_report_html, points=points, component=component, deviation=deviation, vault=vault)
+    if review:
+        if points is None or component is None or deviation is None:
+            raise ValueError("a review shows points; give points, component and deviation, or leave review out")
+        writers[REVIEW] = partial(write_review, points=points, component=component, deviation=deviation, vault=vault)
     writers[SEGMENTS] = lambda _, path: segments(path)
     check_target(out)
     solids = buildable(model)
     with _beside(out) as part:
         for name, write in writers.items():
             progress(name)
-            write(solids if name in SOLIDS else model, part / name)
+            # The report tells what was fitted; what is drawn has to be built.
+            write(model if name == REPORT else solids, part / name)
         _into_place(part, out)
 
 
@@ -119,11 +128,13 @@ def _beside(out: Path) -> Iterator[Path]:
 def _into_place(part: Path, out: Path) -> None:
     """Move the whole folder, or into a folder that is there each file.
 
-    The report goes away first and comes last: where there is one, the files beside it belong to it.
+    The report goes away first and comes last: where there is one, the files beside it belong to it. A review of an
+    earlier result goes with it.
     """
     if not out.exists():
         part.rename(out)
         return
-    (out / REPORT).unlink(missing_ok=True)
+    for name in (REPORT, REVIEW):
+        (out / name).unlink(missing_ok=True)
     for path in sorted(part.iterdir(), key=lambda p: (p.name == REPORT, p.name)):
         path.replace(out / path.name)

@@ -12,10 +12,10 @@ import pytest
 from segmentation import read
 from vaultcad import pipeline
 from vaultcad.cli.fit import STAGES
-from vaultcad.export.bundle import SEGMENTS, WRITERS
+from vaultcad.export.bundle import REVIEW, SEGMENTS, WRITERS
 from vaultcad.scanner import read_truth
 
-FILES = {SEGMENTS, *WRITERS}
+FILES = {REVIEW, SEGMENTS, *WRITERS}
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +23,7 @@ def fitted(room, tmp_path_factory):
     """The folder of a fit that a process of its own made, and what it said."""
     out = tmp_path_factory.mktemp("fit") / "new" / "sail"
     command = [sys.executable, "-c", "import sys; from vaultcad.cli import main; sys.exit(main())"]
-    arguments = ["fit", room, "-o", out, "--family", "volta a vela", "--seed", "1", "--thickness", "0.2"]
+    arguments = ["fit", room, "-o", out, "--family", "volta a vela", "--seed", "1", "--thickness", "0.2", "--review"]
     done = subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True, timeout=500, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     return out, done.stdout
@@ -81,7 +81,7 @@ def test_an_earlier_result_is_replaced_and_can_be_printed_as_json(run, fitted, r
     assert (told.code, told.err) == (0, "")
     assert told.out == (out / "report.json").read_text()
     assert (out / "model.step").read_text() != "old"
-    assert {path.name for path in out.iterdir()} == FILES | {"notes.txt"}
+    assert {path.name for path in out.iterdir()} == FILES - {REVIEW} | {"notes.txt"}
 
 
 def test_labels_are_judged_by_the_truth(run, fitted, room):
