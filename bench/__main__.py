@@ -7,9 +7,10 @@ import os
 import platform
 from datetime import date
 
-from bench import rooms, shapes
+from bench import cost, rooms, shapes
+from bench.peers import table as peers
 
-BENCHMARKS = {"shapes": shapes.run, "rooms": rooms.run}
+BENCHMARKS = {"shapes": shapes.run, "cost": cost.run, "peers": peers.run, "rooms": rooms.run}
 
 
 def main() -> None:
@@ -19,6 +20,8 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3, help="seeds of each ideal cloud (shapes), default 3")
     parser.add_argument("--rooms", type=int, default=14, help="virtual scans (rooms), default 14")
     parser.add_argument("--points", type=int, default=1_000_000, help="points of a cloud, default 1000000")
+    cost.options(parser)
+    peers.options(parser)
     chosen = parser.parse_args()
     unknown = sorted(set(chosen.names) - set(BENCHMARKS))
     if unknown:

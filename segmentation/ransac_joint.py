@@ -34,7 +34,9 @@ NORMAL_PRICE = 0.25  # what a deviation of alpha costs beside a distance of epsi
 FIT_POINTS = 8000  # points that decide the primitives; the labels are for all
 CHOICE_POINTS = 6000
 SIMPLER = 0.02  # share of what a primitive explains that one with fewer parameters may leave
+ALIKE = 2.0  # bands that two primitives may differ by to be one surface, of which both see what misfit leaves
 NEAR = 10.0  # bands that two primitives may differ by, on average over one's points, to be worth merging
+OWN = 0.1  # share of the points nearest to a primitive that nothing else may explain; less, and it fits others' misfit
 PROMISING = 0.5  # share of a primitive's points that the first guess of a simpler one has to explain
 TRIALS = 64  # minimal sets that look for a simpler primitive
 
@@ -112,15 +114,18 @@ class _Choice:
         return support(shapes, self.xyz, self.normals, self.epsilon, math.cos(self.settings.alpha))
 
     def dropped(self, shapes: Shapes) -> Shapes | None:
-        """Without the primitive that adds least to the others, where that is less than its price."""
+        """Without the primitive that adds least to the others, where that is less than its price or its own share."""
         if len(shapes) == 0:
             return None
         share = self.share(shapes)
         ranked = np.sort(share, axis=0)
         second = ranked[-2] if len(shapes) > 1 else np.zeros(len(self.xyz))
         loss = np.where(share == ranked[-1], ranked[-1] - second, 0.0).sum(axis=1)
-        worst = int(np.argmin(loss))
-        return shapes.take(np.arange(len(shapes)) != worst) if loss[worst] < self.price else None
+        nearest = np.argmin(np.where(share > 0.0, np.abs(gaps(shapes, self.xyz)), math.inf), axis=0)
+        near = np.bincount(nearest[ranked[-1] > 0.0], minlength=len(shapes))
+        excess = loss - np.maximum(self.price, OWN * near)
+        worst = int(np.argmin(excess))
+        return shapes.take(np.arange(len(shapes)) != worst) if excess[worst] < 0.0 else None
 
     def simplified(self, shapes: Shapes) -> Shapes | None:
         """With a primitive of fewer parameters in place of the first that it explains about as well.
@@ -149,12 +154,16 @@ class _Choice:
         return None
 
     def merged(self, shapes: Shapes) -> Shapes | None:
-        """With one primitive in place of the first two of a kind that explain as much but for its price."""
+        """With one primitive in place of the first two of a kind that explain as much but for its price.
+
+        Where the two are alike it may explain a little less: a settled web is no one cylinder's, and two explain more.
+        """
         share = self.share(shapes)
         gap = np.abs(gaps(shapes, self.xyz))
         won = (share > 0.0) & (share >= share.max(axis=0, initial=0.0))
         across = (won @ np.minimum(gap, 2.0 * NEAR * self.epsilon).T) / np.maximum(won.sum(axis=1), 1)[:, None]
         near = (np.minimum(across, across.T) < NEAR * self.epsilon) & (shapes.kinds == shapes.kinds[:, None])
+        alike = np.maximum(across, across.T) < ALIKE * self.epsilon
         for i, j in zip(*np.nonzero(np.triu(near, 1)), strict=True):
             theirs = np.flatnonzero(won[i] | won[j])
             rest = np.delete(share[:, theirs], [i, j], axis=0).max(axis=0, initial=0.0)
@@ -167,7 +176,8 @@ class _Choice:
                 joint, self.xyz[theirs], self.normals[theirs], self.epsilon, math.cos(self.settings.alpha)
             )
             after = np.maximum(rest, share_joint).sum(axis=1)
-            if after.max() > before - self.price:
+            loss = max(self.price, SIMPLER * (before - rest.sum())) if alike[i, j] else self.price
+            if after.max() > before - loss:
                 others = shapes.take(np.delete(np.arange(len(shapes)), [i, j]))
                 return others.joined(joint.take(np.array([int(np.argmax(after))])))
         return None

@@ -1,0 +1,87 @@
+"""What segmentation costs besides: the first call of a process, and a cloud of millions, each in a process of its own.
+
+Run as `python -m bench.cost first|large …` it is that process.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.clouds import IDEALS
+from bench.peers.job import memory
+
+LARGE = 19_200_000  # points of the trough
+SMALL = 100_000  # points of the first call
+
+
+def run(chosen: argparse.Namespace) -> None:
+    """First calls with an empty and a full cache of compiled code; then the large cloud."""
+    print(f"\nfirst call in a new process, {SMALL:,} points of a groin vault, s")
+    print(f"{'normals':9} {'cache':6} {'import':>7} {'first':>6} {'second':>6} {'compiling':>9}")
+    for normals in ("given", "estimated"):
+        with tempfile.TemporaryDirectory() as cache:
+            empty, full = (_process({"NUMBA_CACHE_DIR": cache}, "first", normals) for _ in range(2))
+        for name, took in (("empty", empty), ("full", full)):
+            compiling = took["first"] - full["second"]
+            print(
+                f"{normals:9} {name:6} {took['import']:7.2f} {took['first']:6.2f} {took['second']:6.2f} {compiling:9.2f}"
+            )
+    print(f"\ntrough of {chosen.large:,} points, float32, normals estimated, after a first call")
+    took = _process({}, "large", str(chosen.large))
+    print(f"{took['seconds']:.2f} s; {took['bytes']:.1f} bytes a point beyond the cloud; least IoU {took['iou']:.4f}")
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """What the command line says about costs."""
+    parser.add_argument("--large", type=int, default=LARGE, help=f"points of the large cloud (cost), default {LARGE}")
+
+
+def _process(environment: dict[str, str], *arguments: str) -> Any:
+    command = [sys.executable, "-m", "bench.cost", *arguments]
+    done = subprocess.run(command, env={**os.environ, **environment}, stdout=subprocess.PIPE, check=True)
+    return json.loads(done.stdout)
+
+
+def first(normals: str) -> dict[str, float]:
+    """Seconds of the import, the first and the second call."""
+    groin = next(vault for vault in IDEALS if vault.id == "groin")
+    cloud = groin.sample(SMALL, np.random.default_rng(1))
+    times = [time.perf_counter()]
+    from segmentation.ransac import detect
+
+    times.append(time.perf_counter())
+    for _ in range(2):
+        detect(cloud.xyz, cloud.normals if normals == "given" else None)
+        times.append(time.perf_counter())
+    return dict(zip(("import", "first", "second"), np.diff(times).tolist(), strict=True))
+
+
+def large(points: str) -> dict[str, float]:
+    """Seconds, bytes a point beyond the cloud (peak of resident memory), and the least IoU."""
+    from segmentation import compare, detect
+
+    trough = next(vault for vault in IDEALS if vault.id == "trough")
+    cloud = trough.sample(int(points), np.random.default_rng(1))
+    xyz, truth = cloud.xyz.astype(np.float32), cloud.component
+    del cloud
+    detect(xyz[:SMALL])
+    before = memory("VmRSS")
+    Path("/proc/self/clear_refs").write_text("5", encoding="ascii")  # the peak starts anew
+    start = time.perf_counter()
+    labels = detect(xyz).labels
+    seconds, peak = time.perf_counter() - start, memory("VmHWM")
+    return {"seconds": seconds, "bytes": (peak - before) / len(xyz), "iou": compare(labels, truth).least_iou}
+
+
+if __name__ == "__main__":
+    print(json.dumps({"first": first, "large": large}[sys.argv[1]](sys.argv[2])))

@@ -1,0 +1,135 @@
+"""The comparison: every engine on every cloud, one after the other, in rounds; ratios to ours."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import degrees
+from pathlib import Path
+
+import numpy as np
+
+from bench.clouds import IDEALS, SETTLED, SETTLED_NAME, Case, ideal, settled
+from bench.peers.job import ANSWER, CLOUD, LABELS, MISSING, Job, write_points
+from segmentation import PRESETS, compare
+
+
+@dataclass(frozen=True)
+class Engine:
+    """A row of the table: what it is called, its module here, and whether it chooses its own parameters."""
+
+    name: str
+    module: str
+    automatic: bool = False
+
+
+@dataclass(frozen=True)
+class Run:
+    """One engine on one cloud once."""
+
+    seconds: float
+    peak: int
+    found: int
+    mean_iou: float
+
+
+OURS = Engine("vaultcad", "ours", automatic=True)
+ENGINES = {
+    "ours": OURS,
+    "paper": Engine("vaultcad, the paper's parameters", "ours"),
+    "cloudcompare": Engine("CloudCompare", "cloudcompare"),
+    "cgal": Engine("CGAL", "cgal"),
+    "pyransac3d": Engine("pyransac3d, 1 in 100 points", "pyransac"),
+}
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    """What the command line says about the comparison."""
+    parser.add_argument("--peers", default=",".join(ENGINES), help=f"engines of peers, of {','.join(ENGINES)}")
+    parser.add_argument("--vaults", default="", help="clouds of peers, such as groin,dome; all if left out")
+    parser.add_argument("--rounds", type=int, default=2, help="times that each engine runs (peers), default 2")
+    parser.add_argument("--peer-python", default=sys.executable, help="interpreter that has cgal and pyransac3d")
+
+
+def run(chosen: argparse.Namespace) -> None:
+    """A block for each cloud: time and its ratio to ours, memory, components found, mean IoU over the rounds."""
+    wanted = {name: ENGINES[name] for name in chosen.peers.split(",") if name in ENGINES}
+    engines = {"ours": OURS, **wanted}
+    print(f"\npeers: {chosen.points:,} points, normals given, {chosen.rounds} rounds; the paper's parameters;")
+    print("seconds from the cloud in memory to the shapes (least of the rounds), whole process in MiB")
+    print(f"{'cloud':14} {'engine':32} {'s':>7} {'ratio':>6} {'MiB':>6} {'found':>8} {'mean IoU':>15}")
+    missing: dict[str, str] = {}
+    for case in _cases(chosen):
+        runs: dict[str, list[Run]] = {name: [] for name in engines}
+        with tempfile.TemporaryDirectory() as folder:
+            write_points(Path(folder) / CLOUD, case.xyz, case.normals)
+            for _ in range(chosen.rounds):
+                for name in [name for name in engines if name not in missing]:
+                    answer = _once(engines[name], case, folder, chosen.peer_python)
+                    if isinstance(answer, str):
+                        missing[name] = answer
+                        print(f"{engines[name].name} left out: {answer}")
+                    else:
+                        runs[name].append(answer)
+        for name in [name for name in engines if runs[name]]:
+            print(_row(case, engines[name], runs[name], runs["ours"]), flush=True)
+
+
+def _cases(chosen: argparse.Namespace) -> Iterator[Case]:
+    """The clouds that are asked for, one at a time."""
+    names = chosen.vaults.split(",") if chosen.vaults else [vault.id for vault in IDEALS]
+    for vault in IDEALS:
+        if vault.id in names:
+            yield ideal(vault, chosen.points)
+    for vault in IDEALS:
+        if vault.id in SETTLED and (vault.id in names or SETTLED_NAME.format(vault.id) in names):
+            yield settled(ideal(vault, chosen.points))
+
+
+def _once(engine: Engine, case: Case, folder: str, peer_python: str) -> Run | str:
+    """One run in a process of its own, or why there is none.
+
+    Raises:
+        RuntimeError: the process failed for another reason than a missing library.
+    """
+    _job(case, folder, engine.automatic).write()
+    python = peer_python if engine.module in ("cgal", "pyransac") else sys.executable
+    command = [python, "-m", f"bench.peers.{engine.module}", folder]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode == MISSING:
+        return done.stderr.strip().splitlines()[-1]
+    if done.returncode != 0:
+        raise RuntimeError(f"{engine.name} on {case.name} failed:\n{done.stderr}")
+    answer = json.loads((Path(folder) / ANSWER).read_text(encoding="utf-8"))
+    labels = np.load(Path(folder) / LABELS)
+    judged = compare(labels, case.truth)
+    return Run(answer["seconds"], answer["peak"], len(np.unique(labels[labels > 0])), judged.mean_iou)
+
+
+def _job(case: Case, folder: str, automatic: bool) -> Job:
+    """The paper's parameters; without its limits of radii, which the peers do not know. What has settled is real."""
+    preset = PRESETS[f"{case.family}-{'ideal' if case.name == case.family else 'real'}"]
+    return Job(
+        folder,
+        epsilon=preset.epsilon or 0.0,
+        beta=preset.beta or 0.0,
+        min_points=preset.min_points(len(case.xyz)),
+        alpha_deg=degrees(preset.alpha),
+        probability=preset.overlooking_probability,
+        primitives=list(preset.primitives),
+        automatic=automatic,
+    )
+
+
+def _row(case: Case, engine: Engine, runs: list[Run], ours: list[Run]) -> str:
+    seconds, base = min(r.seconds for r in runs), min(r.seconds for r in ours)
+    found = "/".join(map(str, sorted({r.found for r in runs}))) + f" of {case.components}"
+    least, most = min(r.mean_iou for r in runs), max(r.mean_iou for r in runs)
+    iou = f"{least:.3f}" if most - least < 5e-4 else f"{least:.3f} to {most:.3f}"
+    peak = max(r.peak for r in runs) / 2**20
+    return f"{case.name:14} {engine.name:32} {seconds:7.2f} {seconds / base:6.1f} {peak:6.0f} {found:>8} {iou:>15}"
