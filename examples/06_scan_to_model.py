@@ -41,7 +41,7 @@ def main(out: Path, scan: Path = ROOM) -> None:
     print(f"{vault}, turned by {degrees(pose.yaw):.2f}°")
 
     # Label every point of the scan, and say how far the stone is from the model.
-    labels = label(cloud.xyz, refined.placed, tolerance=4 * refined.scatter)
+    labels = label(cloud.xyz, [(refined.placed, 4 * refined.scatter)])
     on = labels.component > 0
     ideal = summarise(labels.deviation[on])
     print(f"{on.sum():,} points of the vault, rms {1000 * ideal.rms:.1f} mm, {ideal.loa}")

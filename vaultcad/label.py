@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -27,19 +28,38 @@ class Labels:
     deviation: NDArray[np.float32]
 
 
-def label(xyz: NDArray[np.floating], placed: Placed, tolerance: float, number: int = 1) -> Labels:
-    """Label points (n, 3) [m] within `tolerance` [m] of a vault; points nearer to its walls are not the vault's."""
+def label(xyz: NDArray[np.floating], vaults: Sequence[tuple[Placed, float]]) -> Labels:
+    """Label points (n, 3) [m] within a tolerance [m] of a vault; points nearer to its walls are not the vault's.
+
+    A point near two vaults is the nearer one's. vaults: where they stand, each with its tolerance.
+    """
     n = len(xyz)
-    component, deviation = np.zeros(n, np.uint16), np.full(n, np.nan, np.float32)
-    frame = placed.pose.frame()
+    labels = Labels(np.zeros(n, np.uint16), np.zeros(n, np.uint16), np.full(n, np.nan, np.float32))
 
     def work(start: int) -> None:
         part = slice(start, start + CHUNK)
-        surface = placed.vault.evaluate(xyz[part], frame=frame, walls=True)
-        near = (np.abs(surface.distance) <= tolerance) & (surface.component > 0)
-        component[part] = np.where(near, surface.component, 0)
-        deviation[part] = np.where(near, surface.distance, np.nan)
+        for number, (placed, tolerance) in enumerate(vaults, 1):
+            _label(xyz[part], placed, tolerance, number, labels, start)
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(work, range(0, n, CHUNK)))
-    return Labels(component, np.where(component > 0, number, 0).astype(np.uint16), deviation)
+    return labels
+
+
+def _label(
+    xyz: NDArray[np.floating], placed: Placed, tolerance: float, number: int, labels: Labels, start: int
+) -> None:
+    """Enter the points of one vault, of those from `start` on, that are not nearer to one before it."""
+    frame, plan = placed.pose.frame(), placed.vault.plan
+    local = xyz @ frame[:, :3].T + frame[:, 3]
+    half = np.array([plan.half_x, plan.half_y]) + tolerance
+    (mine,) = np.nonzero((np.abs(local[:, :2]) < half).all(axis=1) & (local[:, 2] > -tolerance))
+    surface = placed.vault.evaluate(local[mine], walls=True)
+    at = start + mine
+    known = np.abs(labels.deviation[at])
+    near = (np.abs(surface.distance) <= tolerance) & (surface.component > 0)
+    near &= ~(known <= np.abs(surface.distance))
+    at = at[near]
+    labels.component[at] = surface.component[near]
+    labels.vault[at] = number
+    labels.deviation[at] = surface.distance[near]

@@ -83,6 +83,7 @@ class FittedVault:
     coverage: float
     converged: bool = True
     as_built: Deviation | None = None
+    tolerance: float = 0.03  # m, half of the band that its points lie in
 
 
 @dataclass(frozen=True)

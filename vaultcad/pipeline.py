@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,9 +20,10 @@ from vaultcad.deviation import summarise
 from vaultcad.errors import NoVaultError
 from vaultcad.label import Labels, label
 from vaultcad.model import Component, Deviation, Estimate, FittedVault, Model
-from vaultcad.recognise import Hypothesis, confidence, count_blocks, recognise
-from vaultcad.refine import Refined, refine
-from vaultcad.site import STEEP, Site, survey
+from vaultcad.recognise import confidence
+from vaultcad.refine import Refined
+from vaultcad.search import Found, find_vaults
+from vaultcad.site import Thin, thin_scan
 from vaultcad.solve import Placed
 from vaultcad.uncertainty import covariance, derived_std
 from vaultcad.versions import versions
@@ -30,12 +31,7 @@ from vaultcad.versions import versions
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 
-STAGES = ("thinning", "recognising", "fitting", "labelling", "measuring")
-TOLERANCE = (0.03, 0.12)  # m, limits of the band that a vault's points lie in
-BAND = 4.0  # that band in scatters of the fit
-EXPLAINED = 0.65  # share of what hangs over the springing that a vault must explain
-ALIGNED = 0.8  # cosine between the normals of scan and model where a point is explained
-FLAT = 0.05  # rise / shorter side of the plan below which a ceiling is no vault
+STAGES = ("thinning", "finding", "labelling", "measuring")
 AS_BUILT = 20_000  # points of the as-built surface; half of them make it, the other half measure it
 
 
@@ -52,18 +48,19 @@ class Settings:
 class Result:
     """A fitted scan: the model, the label of each point, and the thinned cloud on which it was found.
 
-    points: (k, 3) [m], local. component: (k,) as in the labels. deviation: (k,) [m], NaN off the vault.
+    points: (k, 3) [m], local. component, vault: (k,) as in the labels. deviation: (k,) [m], NaN off the vaults.
     """
 
     model: Model
     labels: Labels
     points: Array
     component: NDArray[np.uint16]
+    vault: NDArray[np.uint16]
     deviation: Array
 
 
 def fit_scan(cloud: Cloud, settings: Settings = Settings(), *, progress: Progress = lambda stage: None) -> Result:
-    """Find, recognise, fit and measure the vault in a scan.
+    """Find, recognise, fit and measure the vaults in a scan.
 
     Raises:
         NoVaultError: the scan is too small, or no family explains what stands above its floor.
@@ -71,38 +68,33 @@ def fit_scan(cloud: Cloud, settings: Settings = Settings(), *, progress: Progres
     seconds: dict[str, float] = {}
     rng = np.random.default_rng(settings.seed)
     with _stage("thinning", seconds, progress):
-        site = survey(cloud)
-    with _stage("recognising", seconds, progress):
-        hypotheses = recognise(site, rng, families=settings.families)
-    with _stage("fitting", seconds, progress):
-        refined = refine(hypotheses[0], site, count_blocks(site), rng)
-        tolerance = float(np.clip(BAND * refined.scatter, *TOLERANCE))
-        _check(refined.placed, site, tolerance)
+        thin = thin_scan(cloud)
+    with _stage("finding", seconds, progress):
+        found = find_vaults(thin, cloud.xyz, settings.families, rng)
+    bands = [(one.placed, one.tolerance) for one in found]
     with _stage("labelling", seconds, progress):
-        labels = label(cloud.xyz, refined.placed, tolerance)
-        thinned = label(site.points, refined.placed, tolerance)
+        labels, thinned = label(cloud.xyz, bands), label(thin.points, bands)
     with _stage("measuring", seconds, progress):
-        vault = _measured(refined, hypotheses, labels, site, thinned, rng)
+        vaults = tuple(_measured(one, k, labels, thin, thinned, rng) for k, one in enumerate(found, 1))
     ends = cloud.in_file(np.array([cloud.xyz.min(axis=0), cloud.xyz.max(axis=0)]))
     model = Model(
         scan=cloud.source or Path("scan"),
         points=len(cloud),
         bounds=np.sort(ends, axis=0),
         origin=cloud.origin,
-        vaults=(vault,),
+        vaults=vaults,
         thickness=settings.thickness,
         settings={
             "families": [f.id for f in settings.families],
             "seed": settings.seed,
             "thickness": settings.thickness,
             "up": cloud.up,
-            "voxel": round(site.spacing, 4),
-            "tolerance": round(tolerance, 4),
+            "voxel": round(thin.spacing, 4),
         },
         versions=versions(),
         seconds=seconds,
     )
-    return Result(model, labels, site.points, thinned.component, thinned.deviation.astype(np.float64))
+    return Result(model, labels, thin.points, thinned.component, thinned.vault, thinned.deviation.astype(np.float64))
 
 
 @contextmanager
@@ -113,62 +105,39 @@ def _stage(name: str, seconds: dict[str, float], progress: Progress) -> Iterator
     seconds[name] = time.perf_counter() - start
 
 
-def _check(placed: Placed, site: Site, tolerance: float) -> None:
-    """Refuse what is no vault: a flat ceiling, or a model that most of what hangs over its springing is far from."""
-    vault, plan = placed.vault, placed.vault.plan
-    rise = vault.derived_values()["rise"]
-    if rise < FLAT * 2 * min(plan.half_x, plan.half_y):
-        raise NoVaultError(
-            f"no vault found: the best model rises {rise:.2f} m, which is a flat ceiling; crop the scan to one bay"
-        )
-    local = site.points @ placed.pose.frame()[:, :3].T + placed.pose.frame()[:, 3]
-    inside = (np.abs(local[:, 0]) < plan.half_x) & (np.abs(local[:, 1]) < plan.half_y)
-    above = inside & (local[:, 2] > 0) & (np.abs(site.normals[:, 2]) > STEEP)
-    surface = vault.evaluate(site.points[above], frame=placed.pose.frame(), walls=True)
-    along = np.abs(np.einsum("nc,nc->n", surface.normal, site.normals[above]))
-    share = float(((np.abs(surface.distance) < tolerance) & (along > ALIGNED)).sum() / max(1, above.sum()))
-    if share < EXPLAINED:
-        raise NoVaultError(
-            f"no vault found: the best model, a {vault.title}, explains {share:.0%} of what hangs over its springing; "
-            "crop the scan to one vaulted bay"
-        )
-
-
 def _measured(
-    refined: Refined,
-    hypotheses: Sequence[Hypothesis],
-    labels: Labels,
-    site: Site,
-    thinned: Labels,
-    rng: np.random.Generator,
+    found: Found, number: int, labels: Labels, thin: Thin, thinned: Labels, rng: np.random.Generator
 ) -> FittedVault:
-    """The figures of a fitted vault.
+    """The figures of the vault with that number.
 
     Raises:
         NoVaultError: not one point lies on it.
     """
-    placed, frame = refined.placed, refined.placed.pose.frame()
-    mine = thinned.component > 0
+    placed, frame = found.placed, found.placed.pose.frame()
+    mine = thinned.vault == number
     if not mine.any():
         raise NoVaultError("no vault found: no point lies on the best model; scan a whole bay, or crop to one")
-    on = site.points[mine] @ frame[:, :3].T + frame[:, 3]
-    shares, whole = coverage(placed.vault, on, 2.5 * site.spacing, rng)
+    on = thin.points[mine] @ frame[:, :3].T + frame[:, 3]
+    shares, whole = coverage(placed.vault, on, 2.5 * thin.spacing, rng)
+    (points,) = np.nonzero(labels.vault == number)
+    component, deviation = labels.component[points], labels.deviation[points]
     components = []
     for k, name in enumerate(placed.vault.components, 1):
-        d = labels.deviation[labels.component == k]
+        d = deviation[component == k]
         components.append(Component(k, name, len(d), summarise(d) if len(d) else None, shares[name]))
-    ranking = confidence(hypotheses)
+    ranking = confidence(found.hypotheses)
     return FittedVault(
         vault=placed.vault,
         pose=placed.pose,
         confidence=ranking[0],
-        alternatives=tuple((h.vault.id, c) for h, c in zip(hypotheses[1:], ranking[1:], strict=True)),
-        parameters=_estimates(refined),
+        alternatives=tuple((h.vault.id, c) for h, c in zip(found.hypotheses[1:], ranking[1:], strict=True)),
+        parameters=_estimates(found.refined),
         components=tuple(components),
-        deviation=summarise(labels.deviation[labels.component > 0]),
+        deviation=summarise(deviation),
         coverage=whole,
-        converged=refined.solution.converged,
+        converged=found.refined.solution.converged,
         as_built=_as_built(placed, on, thinned.deviation[mine].astype(np.float64), rng),
+        tolerance=found.tolerance,
     )
 
 

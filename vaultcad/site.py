@@ -16,9 +16,12 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 SMALL = 0.3  # m; what stands above the floor is no vault if it is flatter than this along any axis
 FEWEST = 1000  # points of a scan
+FEWEST_PLACES = 100  # of them, once they are thinned
+CHUNK = 1 << 20  # points of the scan that are looked at together
 CELL, CELLS = 0.004, (0.02, 0.08)  # thinning, as a share of the scan's diagonal, and its limits in metres
 UPRIGHT = 0.1  # |nz| of a wall at the most, where haunches must not be taken for one
 WALL = 0.5  # m, height of plane wall along all of a side that makes it a wall
+SPREAD = 0.25, 0.5  # m, and the share of a side's strips of that width that a wall must show in, as piers do not
 STEEP = 0.3  # |nz| below which a point weighs as a wall
 LEVEL = 0.9  # |nz| of a floor at the least
 PEAK = 5.0  # how far the most frequent direction of the walls must stand above the middling one
@@ -62,8 +65,27 @@ class Site:
         return spans
 
 
+@dataclass(frozen=True)
+class Thin:
+    """A scan thinned to `spacing` [m]: points (n, 3) in the cloud's local frame [m] with unit normals (n, 3)."""
+
+    points: Array
+    normals: Array
+    spacing: float
+
+
 def survey(cloud: Cloud) -> Site:
-    """Thin a scan to a size that suits it, take normals, and find the vault's room in it.
+    """Thin a scan of one vault to a size that suits it, take normals, and find the vault's room in it.
+
+    Raises:
+        NoVaultError: the scan is too small for a vault.
+    """
+    thinned = thin_scan(cloud)
+    return find_site(thinned, cloud.xyz)
+
+
+def thin_scan(cloud: Cloud) -> Thin:
+    """Thin a scan to a size that suits it, and take normals.
 
     Raises:
         NoVaultError: the scan is too small for a vault.
@@ -80,37 +102,48 @@ def survey(cloud: Cloud) -> Site:
     thinned = thin(cloud.xyz, voxel)
     normals = estimate(thinned.xyz)
     # Means round off groins and springings, so the fit gets a point of the scan from each cell.
-    site = find_site(cloud.xyz[thinned.first].astype(np.float64), normals.astype(np.float64), voxel)
-    return site if site.walled.all() else replace(site, ends=_ends(cloud.xyz, site))
+    points = cloud.xyz[thinned.first].astype(np.float64)
+    good = np.isfinite(normals).all(axis=1)
+    if good.sum() < FEWEST_PLACES:
+        raise NoVaultError(
+            f"no vault found: {good.sum()} places of the scan have a surface; at least {FEWEST_PLACES} are needed"
+        )
+    return Thin(points[good], normals[good].astype(np.float64), voxel)
 
 
-def find_site(points: Array, normals: Array, spacing: float) -> Site:
-    """The vault's room in points (n, 3) thinned to `spacing` [m] with unit normals (n, 3), up being +z.
+def find_site(thin: Thin, xyz: NDArray[np.floating]) -> Site:
+    """The room of one vault in thinned points, up being +z; `xyz` (n, 3) [m] are the points before thinning.
 
     Raises:
-        NoVaultError: there are too few points with a normal.
+        NoVaultError: nothing stands above the floor.
     """
-    good = np.isfinite(normals).all(axis=1)
-    if good.sum() < 100:
-        raise NoVaultError(f"no vault found: {good.sum()} places of the scan have a surface; at least 100 are needed")
-    points, normals = points[good], normals[good]
-    keep = ~_floor(points, normals)
-    points, normals = points[keep], normals[keep]
-    if len(points) < 100 or np.ptp(points, axis=0).min() < SMALL:
-        raise NoVaultError(
-            "no vault found: nothing but a floor or a wall is in the scan; scan the whole room under a vault"
-        )
+    points, normals = above_floor(thin)
     steep = np.abs(normals[:, 2]) < STEEP
-    yaw = _yaw(points, normals)
-    low, high, walled = _rectangle(
-        turned(points[:, :2], yaw), turned(normals[:, :2], yaw), np.abs(normals[:, 2]) < UPRIGHT, spacing
+    yaw = yaw_of(points, normals)
+    low, high, walled = rectangle(
+        turned(points[:, :2], yaw), turned(normals[:, :2], yaw), np.abs(normals[:, 2]) < UPRIGHT, thin.spacing
     )
     weights = np.where(steep, 0.4, 1.0)
     top = points[_inside(turned(points[:, :2], yaw), low, high), 2]
     crown = float(np.quantile(top, 0.998)) if len(top) else float(points[:, 2].max())
-    return Site(
-        points, normals, weights, yaw, low, high, walled, float(points[:, 2].min()), crown, spacing, np.empty((0, 3))
-    )
+    bottom = float(points[:, 2].min())
+    site = Site(points, normals, weights, yaw, low, high, walled, bottom, crown, thin.spacing, np.empty((0, 3)))
+    return site if walled.all() else replace(site, ends=_ends(xyz, site))
+
+
+def above_floor(thin: Thin) -> tuple[Array, Array]:
+    """Points (k, 3) [m] above the floor with their normals (k, 3).
+
+    Raises:
+        NoVaultError: nothing stands above the floor.
+    """
+    keep = ~_floor(thin.points, thin.normals)
+    points, normals = thin.points[keep], thin.normals[keep]
+    if len(points) < FEWEST_PLACES or np.ptp(points, axis=0).min() < SMALL:
+        raise NoVaultError(
+            "no vault found: nothing but a floor or a wall is in the scan; scan the whole room under a vault"
+        )
+    return points, normals
 
 
 def turned(xy: Array, yaw: float) -> Array:
@@ -136,7 +169,7 @@ def _floor(points: Array, normals: Array) -> NDArray[np.bool_]:
     return floor
 
 
-def _yaw(points: Array, normals: Array) -> float:
+def yaw_of(points: Array, normals: Array) -> float:
     """Direction of the walls and of the cylinders' generatrices, modulo a right angle; else of the least rectangle."""
     flat = normals[:, :2]
     size = np.hypot(flat[:, 0], flat[:, 1])
@@ -166,7 +199,7 @@ def _least_rectangle(xy: Array) -> float:
     return float(angles[int(np.argmin(areas))])
 
 
-def _rectangle(
+def rectangle(
     xy: Array, normals: Array, upright: NDArray[np.bool_], spacing: float
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
     """Outermost walls along both axes; where there is none, where the points end.
@@ -187,11 +220,14 @@ def _rectangle(
         for side, corner in ((0, low), (1, high)):
             corner[axis] = ends[side]
             mine = [k for k in strong if (edges[k] < middle) == (side == 0)]
-            if mine:
-                k = mine[0] if side == 0 else mine[-1]
+            for k in mine if side == 0 else mine[::-1]:
                 near = wall[np.abs(xy[wall, axis] - edges[k]) < 2 * BIN]
+                strips = np.unique(np.floor(xy[near, 1 - axis] / SPREAD[0]))
+                if len(strips) * SPREAD[0] < SPREAD[1] * length:
+                    continue  # the faces of piers
                 corner[axis] = float(np.median(xy[near, axis]))
                 walled[axis, side] = True
+                break
     return low, high, walled
 
 
@@ -206,19 +242,24 @@ def _ends(xyz: NDArray[np.floating], site: Site) -> Array:
     The end of evenly spread points lies beyond the outermost by their mean distance, which the outermost few tell.
     """
     found = []
-    frame = turned(xyz[:, :2].astype(np.float64), site.yaw)
+    frame = np.concatenate([_near(xyz[k : k + CHUNK], site) for k in range(0, len(xyz), CHUNK)])
     for axis, side in zip(*np.nonzero(~site.walled), strict=True):
         sign, edge = (-1.0, site.low[axis]) if side == 0 else (1.0, site.high[axis])
-        depth = sign * (edge - frame[:, axis])
-        mine = (depth < RIM) & (depth > -RIM)
-        along = frame[mine, 1 - axis]
+        mine = frame[np.abs(frame[:, axis] - edge) < RIM]
+        depth, along = sign * (edge - mine[:, axis]), mine[:, 1 - axis]
         strip = np.floor(along / STRIP).astype(np.int64)
-        order = np.lexsort((depth[mine], strip))
+        order = np.lexsort((depth, strip))
         _, first, count = np.unique(strip[order], return_index=True, return_counts=True)
         for k in first[count >= FEW]:
             outer = order[k : k + 4]
-            d = depth[mine][outer]
+            d = depth[outer]
             xy = np.empty(2)
             xy[1 - axis], xy[axis] = along[outer].mean(), edge - sign * (d[0] - (d[-1] - d[0]) / 3)
             found.append([*turned(xy[None], -site.yaw)[0], site.bottom - 1.0])
     return np.array(found).reshape(-1, 3)
+
+
+def _near(xyz: NDArray[np.floating], site: Site) -> Array:
+    """Points (m, 2) of the turned plan within `RIM` of the rectangle's edges or in it."""
+    frame = turned(xyz[:, :2].astype(np.float64), site.yaw)
+    return frame[_inside(frame, site.low - RIM, site.high + RIM)]

@@ -13,7 +13,7 @@ from vaultcad.deviation import level_of_accuracy, summarise
 from vaultcad.errors import NoVaultError
 from vaultcad.label import label
 from vaultcad.model import Pose
-from vaultcad.site import find_site, survey, turned
+from vaultcad.site import survey, thin_scan, turned
 from vaultcad.solve import Placed
 
 HERE = Pose(0.0, 0.0, 0.0, 0.0)
@@ -23,7 +23,7 @@ def test_points_get_their_component_and_those_off_the_vault_none() -> None:
     vault = Groin(4.0, 5.0)
     sample = vault.sample(5000, np.random.default_rng(0))
     strays = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, -1.0], [0.0, 0.0, 2.45], [9.0, 9.0, 9.0]])
-    labels = label(np.concatenate([sample.xyz, strays]), Placed(vault, HERE), 0.03)
+    labels = label(np.concatenate([sample.xyz, strays]), [(Placed(vault, HERE), 0.03)])
     assert (labels.component[:5000] == sample.component).mean() > 0.999
     assert labels.component[5000:].tolist() == [0, 0, 0, 0]
     assert np.isnan(labels.deviation[5000:]).all()
@@ -31,14 +31,14 @@ def test_points_get_their_component_and_those_off_the_vault_none() -> None:
 
 
 def test_a_deviation_is_positive_in_the_stone_and_negative_in_the_room() -> None:
-    labels = label(np.array([[0.0, 0.0, 2.51], [0.0, 0.0, 2.48]]), Placed(Barrel(5.0, 8.0), HERE), 0.03)
+    labels = label(np.array([[0.0, 0.0, 2.51], [0.0, 0.0, 2.48]]), [(Placed(Barrel(5.0, 8.0), HERE), 0.03)])
     assert labels.deviation == pytest.approx([0.01, -0.02], abs=1e-6)
 
 
 def test_labels_do_not_hang_on_how_the_cloud_is_cut_into_chunks() -> None:
     vault = Sail(4.0, 4.0, 0.7)
     xyz = vault.sample(300_000, np.random.default_rng(1)).xyz
-    whole, part = label(xyz, Placed(vault, HERE), 0.03), label(xyz[:1000], Placed(vault, HERE), 0.03)
+    whole, part = label(xyz, [(Placed(vault, HERE), 0.03)]), label(xyz[:1000], [(Placed(vault, HERE), 0.03)])
     assert (whole.component[:1000] == part.component).all()
     assert np.array_equal(whole.deviation[:1000], part.deviation, equal_nan=True)
 
@@ -125,6 +125,7 @@ def test_what_has_no_surface_is_refused(xyz: np.ndarray) -> None:
         survey(Cloud(xyz.astype(np.float32)))
 
 
-def test_a_site_needs_points_with_normals() -> None:
+def test_a_scan_needs_places_with_a_surface() -> None:
+    along = np.random.default_rng(6).uniform(0, 5, (5000, 1)) * [1.0, 0.5, 0.2]
     with pytest.raises(NoVaultError, match="at least 100"):
-        find_site(np.zeros((200, 3)), np.full((200, 3), np.nan), 0.05)
+        thin_scan(Cloud(along.astype(np.float32)))

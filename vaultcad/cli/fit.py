@@ -15,7 +15,7 @@ from vaultcad.cli.options import Bounds, Seed, number_info, single
 from vaultcad.cli.outputs import check_folder
 from vaultcad.cli.status import status
 
-STAGES = ("reading", "thinning", "recognising", "fitting", "labelling", "measuring", "writing")
+STAGES = ("reading", "thinning", "finding", "labelling", "measuring", "writing")
 Thickness = Annotated[float, number_info("thickness", Bounds(0.01, 5, "m", "of the masonry, which no scan shows"))]
 
 
@@ -36,9 +36,9 @@ def fit(
     review: Annotated[bool, typer.Option("--review", help="Draw the fit to review.png, to be looked at.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print report.json instead of the summary.")] = False,
 ) -> None:
-    """Fit a vault to a scan of its room: STEP, IFC, GLB, labelled points, report.
+    """Fit the vaults in a scan of rooms: STEP, IFC, GLB, labelled points, report.
 
-    Finds the vault, recognises its family, fits all parameters, labels every point, measures the deviation.
+    Finds each vault, recognises its family, fits all parameters, labels every point, measures the deviation.
     """
     from vaultcad.cli.summary import show_summary
 
@@ -68,6 +68,7 @@ def fit(
             segments=lambda path: write_labelled(scan, path, cloud, extra),
             points=result.points,
             component=result.component,
+            vault=result.vault,
             deviation=result.deviation,
             review=review,
             progress=lambda name: bar.stage("writing", name),

@@ -88,6 +88,7 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "deviation": _deviation(fitted.deviation),
         "as_built": None if fitted.as_built is None else {"deviation": _deviation(fitted.as_built)},
         "coverage": _number(fitted.coverage),
+        "tolerance": _number(round(fitted.tolerance, 4)),
     }
 
 

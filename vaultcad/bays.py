@@ -1,0 +1,172 @@
+"""Where one bay may end and the next begin: gaps and valleys of the ceiling, seen from below."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vaultcad.site import STEEP, Thin, above_floor, turned, yaw_of
+
+Array = NDArray[np.float64]
+CELL = 0.12, 2.5  # m and spacings; edge of the ceiling's cells, at least
+SEEN = 0.25  # share of the widest column that a column must have, else there is a gap in the ceiling
+VALLEY = 0.05  # m; a bay's mean height falls by this on either side, at least
+NARROWEST = 1.0  # m, of a bay
+LEAST = 1.5  # m², of the ceiling of a bay
+GAP = 10.0  # m; how deep a gap counts
+WALL = 3  # cells beyond what hangs over a room that belong to it
+FULL = 0.4  # share of a bay's rectangle that has a ceiling, at least
+
+
+@dataclass(frozen=True)
+class Region:
+    """A rectangle of the plan turned by `yaw` [rad]: its corners `low` and `high` (2,) [m].
+
+    open: (2, 2), by axis and side, whether the next bay follows there without a wall or a gap between.
+    """
+
+    yaw: float
+    low: Array
+    high: Array
+    open: NDArray[np.bool_]
+
+    def holds(self, points: NDArray[np.floating]) -> NDArray[np.bool_]:
+        """Which points (n, 2 or 3) of the local frame [m] lie in it."""
+        xy = turned(points[:, :2].astype(np.float64), self.yaw)
+        inside: NDArray[np.bool_] = np.asarray(((xy >= self.low) & (xy <= self.high)).all(axis=1))
+        return inside
+
+
+@dataclass(frozen=True)
+class Ceiling:
+    """Height of what hangs over each cell of the turned plan.
+
+    height: (nx, ny) [m], NaN where nothing does. low: (2,) corner of the grid [m]. cell: edge of a cell [m].
+    yaw: of the grid's x axis [rad].
+    """
+
+    height: Array
+    low: Array
+    cell: float
+    yaw: float
+
+    @classmethod
+    def of(cls, thin: Thin) -> Ceiling:
+        """The highest points of each cell, where they are no wall; of a scan's points above the floor.
+
+        Raises:
+            NoVaultError: nothing is above the floor.
+        """
+        points, normals = above_floor(thin)
+        yaw = yaw_of(points, normals)
+        cell = max(CELL[0], CELL[1] * thin.spacing)
+        xy, z = turned(points[:, :2], yaw), points[:, 2]
+        low = xy.min(axis=0)
+        index = np.floor((xy - low) / cell).astype(np.int64)
+        shape = index.max(axis=0) + 1
+        flat = index[:, 0] * shape[1] + index[:, 1]
+        size = int(shape.prod())
+        top = np.full(size, -np.inf)
+        np.maximum.at(top, flat, z)
+        near = z > top[flat] - 1.5 * cell
+        count = np.bincount(flat[near], minlength=size)
+        level = np.bincount(flat[near], np.abs(normals[near, 2]), minlength=size) / np.maximum(count, 1)
+        top[(count == 0) | (level < STEEP)] = np.nan
+        return cls(top.reshape(shape), low, cell, yaw)
+
+    @property
+    def whole(self) -> Region:
+        """All of it."""
+        high = self.low + np.array(self.height.shape) * self.cell
+        return Region(self.yaw, self.low, high, np.zeros((2, 2), np.bool_))
+
+    def within(self, region: Region) -> Array:
+        """The heights (nx, ny) of the cells in a region, a view."""
+        first = np.clip(np.round((region.low - self.low) / self.cell).astype(int), 0, self.height.shape)
+        last = np.clip(np.round((region.high - self.low) / self.cell).astype(int), first, self.height.shape)
+        view: Array = self.height[first[0] : last[0], first[1] : last[1]]
+        return view
+
+    def area(self, region: Region) -> float:
+        """Area in plan of what hangs over a region [m²]."""
+        return float(np.isfinite(self.within(region)).sum()) * self.cell**2
+
+    def parts(self, region: Region) -> list[Region]:
+        """A region cut up along one axis, at every gap and valley: of the two axes the one with the deepest.
+
+        Parts with too little overhead for a vault are left out. The region alone where there is nothing to cut.
+        """
+        cuts = [self._cuts(region, axis) for axis in range(2)]
+        axis = int(np.argmax([max((cut.depth for cut in found), default=0.0) for found in cuts]))
+        if not cuts[axis]:
+            return [region]
+        ends = [
+            _Cut(region.low[axis], 0.0, bool(region.open[axis, 0])),
+            *cuts[axis],
+            _Cut(region.high[axis], 0.0, bool(region.open[axis, 1])),
+        ]
+        pieces = (_between(region, axis, a, b) for a, b in pairwise(ends))
+        return [trimmed for piece in pieces if (trimmed := self._roofed(piece)) is not None]
+
+    def _roofed(self, region: Region) -> Region | None:
+        """A region less the margins that nothing hangs over; None where too little does for a vault."""
+        seen = np.isfinite(self.within(region))
+        if seen.sum() * self.cell**2 < LEAST:
+            return None
+        low, high, open_ = region.low.copy(), region.high.copy(), region.open.copy()
+        for axis in range(2):
+            share = seen.mean(axis=1 - axis)
+            (columns,) = np.nonzero(share > SEEN * share.max())
+            # Walls stand a little beyond what hangs over the room.
+            for side, bare in ((0, columns[0]), (1, len(share) - 1 - columns[-1])):
+                if bare > WALL:
+                    open_[axis, side] = False
+                    (low, high)[side][axis] += (1, -1)[side] * (bare - WALL) * self.cell
+        trimmed = replace(region, low=low, high=high, open=open_)
+        if (high - low).min() < NARROWEST or np.isfinite(self.within(trimmed)).mean() < FULL:
+            return None
+        return trimmed
+
+    def _cuts(self, region: Region, axis: int) -> list[_Cut]:
+        """Where along an axis a bay may end."""
+        from scipy.signal import find_peaks
+
+        seen = np.isfinite(heights := self.within(region))
+        share = seen.mean(axis=1 - axis)
+        bare = share <= SEEN * share.max(initial=0.0)
+        if bare.all():
+            return []
+        total = np.where(seen, heights, 0.0).sum(axis=1 - axis)
+        mean = total / np.maximum(seen.sum(axis=1 - axis), 1)
+        profile = np.where(bare, mean[~bare].min() - GAP, mean)
+        # Beyond the region it is higher, so that what lies at its edge is a valley too, and hides no other beside it.
+        _, found = find_peaks(-np.pad(profile, 1, constant_values=np.inf), prominence=VALLEY, plateau_size=1)
+        out: list[_Cut] = []
+        for left, right, depth in zip(found["left_edges"], found["right_edges"], found["prominences"], strict=True):
+            new = _Cut(region.low[axis] + (left + right - 1) / 2 * self.cell, float(depth), bool(depth < GAP))
+            if min(new.place - region.low[axis], region.high[axis] - new.place) < NARROWEST:
+                continue
+            if out and new.place - out[-1].place < NARROWEST:
+                out[-1] = max(out[-1], new, key=lambda cut: cut.depth)
+            else:
+                out.append(new)
+        return out
+
+
+@dataclass(frozen=True)
+class _Cut:
+    """A place along an axis [m], how deep the valley is there [m], and whether the ceiling goes on."""
+
+    place: float
+    depth: float
+    open: bool
+
+
+def _between(region: Region, axis: int, start: _Cut, end: _Cut) -> Region:
+    low, high, open_ = region.low.copy(), region.high.copy(), region.open.copy()
+    low[axis], high[axis] = start.place, end.place
+    open_[axis] = start.open, end.open
+    return replace(region, low=low, high=high, open=open_)

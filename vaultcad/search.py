@@ -1,0 +1,226 @@
+"""Finding the vaults of a scan: a region is one vault if a family explains it, else its bays are tried each alone."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Lunette, Vault
+from vaultcad.bays import Ceiling, Region
+from vaultcad.errors import NoVaultError
+from vaultcad.recognise import Hypothesis, count_blocks, recognise
+from vaultcad.refine import Refined, refine
+from vaultcad.site import CHUNK, STEEP, UPRIGHT, Site, Thin, find_site, rectangle, turned
+from vaultcad.solve import Placed
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+TOLERANCE = (0.03, 0.12)  # m, limits of the band that a vault's points lie in
+BAND = 4.0  # that band in scatters of the fit
+EXPLAINED = 0.65  # share of what hangs over the springing that a vault must explain
+ALIGNED = 0.8  # cosine between the normals of scan and model where a point is explained
+FLAT = 0.05  # rise / shorter side of the plan below which a ceiling is no vault
+SURE = 0.9  # share of all that hangs over a region from which on its bays are not tried
+LEVEL = 0.93  # crown of lunettes / crown of their barrel from which on they may be groin vaults in a row
+GAIN = 1.05  # the bays must explain so much more than one vault over all of them
+FILLED = 0.4  # share of a bay's plan that its vault must be seen on
+FRONT = 0.7  # m; how far from the valley between two bays the front of the arch between them may stand
+STEP, STRIP = 0.02, 0.25  # m; bins of depth and along the edge where it is looked for
+SOFFIT, LEVEL_SOFFIT, JUMP = 0.1, 0.012, 0.04  # m; least depth of its soffit, how level that is, and the step behind
+FACE = 0.04  # m; how far from its front the points of an arch lie
+
+
+@dataclass(frozen=True)
+class Found:
+    """One vault of a scan. hypotheses: the most likely first. tolerance: of the band its points lie in [m]."""
+
+    site: Site
+    hypotheses: tuple[Hypothesis, ...]
+    refined: Refined
+    tolerance: float
+
+    @property
+    def placed(self) -> Placed:
+        """The vault where it stands."""
+        return self.refined.placed
+
+
+def find_vaults(
+    thin: Thin, xyz: NDArray[np.floating], families: Sequence[type[Vault]], rng: np.random.Generator
+) -> tuple[Found, ...]:
+    """All vaults of a scan, from its thinned points and all of them (n, 3) [m].
+
+    Raises:
+        NoVaultError: there is none.
+    """
+    search = _Search(thin, xyz, Ceiling.of(thin), tuple(families), rng)
+    found = search.region(search.ceiling.whole)
+    if not found:
+        raise search.refusals[0]
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class _Search:
+    """One search: what it searches, and why regions were refused, the whole scan first."""
+
+    thin: Thin
+    xyz: NDArray[np.floating]
+    ceiling: Ceiling
+    families: tuple[type[Vault], ...]
+    rng: np.random.Generator
+    refusals: list[NoVaultError] = field(default_factory=list)
+
+    def region(self, region: Region, *, part: bool = False) -> list[Found]:
+        """The vaults over a region."""
+        try:
+            one = self._fit_bay(region) if part else self._fit(self.thin, self.xyz)
+        except NoVaultError as error:
+            self.refusals.append(error)
+            one = None
+        parts = self.ceiling.parts(region)
+        if (len(parts) == 1 and parts[0] is region) or (one and self._settled(one, region)):
+            return [one] if one else []
+        bays = [found for bay in parts for found in self.region(bay, part=True)]
+        if one is None:
+            return bays
+        gain = 1 / GAIN if _in_a_row(one) else GAIN
+        both = self._explained(bays, region).sum(), self._explained([one], region).sum()
+        return bays if both[0] > gain * both[1] else [one]
+
+    def _fit(self, thin: Thin, xyz: NDArray[np.floating]) -> Found:
+        """One vault over all of these points.
+
+        Raises:
+            NoVaultError: none is near enough to what hangs there.
+        """
+        site = find_site(thin, xyz)
+        hypotheses = recognise(site, self.rng, families=self.families)
+        refined = refine(hypotheses[0], site, count_blocks(site), self.rng)
+        found = Found(site, hypotheses, refined, float(np.clip(BAND * refined.scatter, *TOLERANCE)))
+        check(found.placed, site, found.tolerance)
+        return found
+
+    def _fit_bay(self, region: Region) -> Found:
+        """One vault over one bay.
+
+        Raises:
+            NoVaultError: none is near enough to what hangs there, or too little of it is there.
+        """
+        found = self._fit(*bay_of(self.thin, self.xyz, region))
+        vault = found.placed.vault
+        seen = self._explained([found], region).sum() * self.thin.spacing**2
+        if seen < FILLED * 4 * vault.plan.half_x * vault.plan.half_y:
+            raise NoVaultError(f"no vault found: {seen:.1f} m² of a {vault.title} are too little of it")
+        return found
+
+    def _settled(self, one: Found, region: Region) -> bool:
+        """Whether one vault explains so much of a region that its bays need not be tried."""
+        if _in_a_row(one):
+            return False
+        explained = self._explained([one], region)
+        hanging = region.holds(self.thin.points) & (np.abs(self.thin.normals[:, 2]) > STEEP)
+        hanging &= self.thin.points[:, 2] > one.placed.pose.z
+        return bool(explained.sum() >= SURE * hanging.sum())
+
+    def _explained(self, found: Sequence[Found], region: Region) -> Mask:
+        """Which thinned points of a region lie on the vaults and face as they do."""
+        explained = np.zeros(len(self.thin.points), np.bool_)
+        for one in found:
+            explained |= on_vault(one.placed, self.thin.points, self.thin.normals, one.tolerance)
+        hanging: Mask = explained & region.holds(self.thin.points) & (np.abs(self.thin.normals[:, 2]) > STEEP)
+        return hanging
+
+
+def bay_of(thin: Thin, xyz: NDArray[np.floating], region: Region) -> tuple[Thin, NDArray[np.floating]]:
+    """The points of one bay, thinned and all, without the arches to the next bays and the piers under these."""
+    mine, own = region.holds(thin.points), _within(xyz, region)
+    xy, facing = turned(thin.points[mine, :2], region.yaw), turned(thin.normals[mine, :2], region.yaw)
+    upright = np.abs(thin.normals[mine, 2]) < UPRIGHT
+    walled = rectangle(xy, facing, upright, thin.spacing)[2]
+    low, high = region.low.copy(), region.high.copy()
+    keep = np.ones(len(xy), np.bool_)
+    for axis, side in zip(*np.nonzero(~walled), strict=True):
+        sign, edge = (1.0, low) if side == 0 else (-1.0, high)
+        start = edge[axis]
+        edge[axis] += sign * _front(own, region, axis, side)
+        depth = sign * (xy[:, axis] - start)
+        keep &= ~(upright & (depth > sign * (edge[axis] - start) + FACE) & (depth < FRONT))
+    inner = replace(region, low=low, high=high)
+    keep &= inner.holds(thin.points[mine])
+    return Thin(thin.points[mine][keep], thin.normals[mine][keep], thin.spacing), _within(own, inner)
+
+
+def _within(xyz: NDArray[np.floating], region: Region) -> NDArray[np.floating]:
+    parts = (xyz[k : k + CHUNK] for k in range(0, len(xyz), CHUNK))
+    return np.concatenate([part[region.holds(part)] for part in parts])
+
+
+def _front(xyz: NDArray[np.floating], region: Region, axis: int, side: int) -> float:
+    """How far inside a region's edge [m] the arch to the next bay ends: where the ceiling rises; 0 if nowhere."""
+    xy = turned(xyz[:, :2].astype(np.float64), region.yaw)
+    edge = (region.low, region.high)[side][axis]
+    depth = (1.0, -1.0)[side] * (xy[:, axis] - edge)
+    near = depth < FRONT
+    bins = round(FRONT / STEP)
+    strip = np.floor((xy[near, 1 - axis] - region.low[1 - axis]) / STRIP).astype(np.int64)
+    height = np.full((strip.max(initial=0) + 1, bins), -np.inf)
+    np.maximum.at(height, (strip, np.clip(depth[near] / STEP, 0, bins - 1).astype(np.int64)), xyz[near, 2])
+    height[~np.isfinite(height)] = np.nan
+    if np.isnan(height).all():
+        return 0.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of bins without points
+        soffit = np.nanmedian(height[:, : round(SOFFIT / STEP)], axis=1)
+        above = np.nan_to_num(np.nanmedian(height - soffit[:, None], axis=0), nan=0.0)
+    higher = np.flatnonzero(above > JUMP)
+    if not len(higher):
+        return 0.0
+    flat = np.flatnonzero(above[: higher[0]] < LEVEL_SOFFIT)
+    return float((flat[-1] + 1) * STEP) if len(flat) else 0.0
+
+
+def _in_a_row(found: Found) -> bool:
+    """Whether a vault with lunettes might be a row of groin vaults."""
+    vault = found.placed.vault
+    return (
+        isinstance(vault, Lunette)
+        and vault.count > 1
+        and vault.lunette_springing + vault.lunette_rise > LEVEL * vault.rise
+    )
+
+
+def on_vault(placed: Placed, points: Array, normals: Array, tolerance: float) -> Mask:
+    """Which points (n, 3) with normals (n, 3) are nearer than `tolerance` [m] to a vault and face as it does."""
+    surface = placed.vault.evaluate(points, frame=placed.pose.frame(), walls=True)
+    along = np.abs(np.einsum("nc,nc->n", surface.normal, normals))
+    near: Mask = (np.abs(surface.distance) < tolerance) & (along > ALIGNED) & (surface.component > 0)
+    return near
+
+
+def check(placed: Placed, site: Site, tolerance: float) -> None:
+    """Refuse what is no vault.
+
+    Raises:
+        NoVaultError: a flat ceiling, or a model that most of what hangs over its springing is far from.
+    """
+    vault, plan = placed.vault, placed.vault.plan
+    rise = vault.derived_values()["rise"]
+    if rise < FLAT * 2 * min(plan.half_x, plan.half_y):
+        raise NoVaultError(
+            f"no vault found: the best model rises {rise:.2f} m, which is a flat ceiling; crop the scan to one bay"
+        )
+    local = site.points @ placed.pose.frame()[:, :3].T + placed.pose.frame()[:, 3]
+    inside = (np.abs(local[:, 0]) < plan.half_x) & (np.abs(local[:, 1]) < plan.half_y)
+    above = inside & (local[:, 2] > 0) & (np.abs(site.normals[:, 2]) > STEEP)
+    share = float(on_vault(placed, site.points[above], site.normals[above], tolerance).mean()) if above.any() else 0.0
+    if share < EXPLAINED:
+        raise NoVaultError(
+            f"no vault found: the best model, a {vault.title}, explains {share:.0%} of what hangs over its springing; "
+            "crop the scan to one vaulted bay"
+        )
