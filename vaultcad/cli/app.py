@@ -26,6 +26,7 @@ COMMANDS = {
     "ideal": "Points of an ideal vault, with normals and labels.",
     "scan": "Scan a vault in a room virtually; the truth goes beside it.",
     "families": "List the families of vaults and their parameters.",
+    "freecad": "Put the workbench into FreeCAD, or take it out.",
     "doctor": "Say what of the installation is missing or broken.",
 }
 

@@ -97,7 +97,7 @@ def _roof(author: Author, fitted: FittedVault, key: str, storey: Entity, model: 
         "IfcRoof",
         key,
         Name=vault.title.capitalize(),
-        Description=f"fitted to {model.scan.name}",
+        Description=f"fitted to {model.scan.name}" if fitted.components else None,
         ObjectType=vault.title,
         ObjectPlacement=place,
         Tag=vault.id,
@@ -111,7 +111,8 @@ def _roof(author: Author, fitted: FittedVault, key: str, storey: Entity, model: 
 
     author.properties(roof, "Pset_RoofCommon", _common(author, vault.id))
     author.properties(roof, "VaultCAD_Parameters", _parameters(author, fitted))
-    author.properties(roof, "VaultCAD_Deviation", _deviation(author, fitted.deviation, fitted.coverage))
+    if fitted.components:  # one that was drawn, not fitted, has no figures
+        author.properties(roof, "VaultCAD_Deviation", _deviation(author, fitted.deviation, fitted.coverage))
     area = sum(body.intrados_area for body in pieces)
     plan = 4 * vault.plan.half_x * vault.plan.half_y
     areas = {"GrossArea": (area, "m2"), "NetArea": (area, "m2"), "ProjectedArea": (plan, "m2")}
@@ -183,7 +184,8 @@ def _parameters(author: Author, fitted: FittedVault) -> Iterator[Row]:
         if estimate.std is not None:
             meaning = f"standard deviation of {name}"
             yield f"{name}_std", author.value(float(estimate.std), estimate.unit), meaning
-    yield "confidence", author.value(float(fitted.confidence), "share"), "how sure the family is, 0 to 1"
+    if fitted.components:
+        yield "confidence", author.value(float(fitted.confidence), "share"), "how sure the family is, 0 to 1"
 
 
 def _deviation(author: Author, deviation: Deviation, coverage: float, points: int | None = None) -> Iterator[Row]:

@@ -1,0 +1,35 @@
+"""For the scripts that FreeCAD runs: what the test gives them, and what they tell it."""
+
+import json
+import os
+import traceback
+from pathlib import Path
+
+GIVEN = json.loads(os.environ["VAULTCAD_GIVEN"])
+FOLDER = Path(GIVEN["folder"])
+
+
+def tell(found):
+    Path(os.environ["VAULTCAD_RESULT"]).write_text(json.dumps(found), encoding="utf-8")
+
+
+def told(work):
+    """Run the script's work, and tell the test what it gives or how it failed."""
+    try:
+        tell(work())
+    except BaseException:
+        tell({"failed": traceback.format_exc()})
+
+
+def state(obj):
+    """What of a vault must be right at any time."""
+    box = obj.Shape.BoundBox
+    return {
+        "states": list(obj.State),
+        "valid": obj.Shape.isValid(),
+        "faces": len(obj.Shape.Faces),
+        "names": list(obj.FaceNames),
+        "colours": len(obj.FaceColors),
+        "box": [round(v, 3) for v in (box.XMin, box.XMax, box.YMin, box.YMax, box.ZMin, box.ZMax)],
+        "volume": round(obj.Shape.Volume),
+    }

@@ -1,0 +1,189 @@
+"""The task panel: a fit under way, then what it found, and the families that it could be instead."""
+
+from __future__ import annotations
+
+import json
+from html import escape
+from typing import Any
+
+import FreeCADGui as Gui
+from PySide import QtCore, QtGui
+
+from .catalogue import families, shown
+from .client import GoneError, RefusedError
+from .fit import Fit
+from .scan import LIMIT, SCALE
+from .texts import complain, tr
+from .view import icon
+
+EVERY = 100  # [ms] between two looks at the fit
+COLUMNS = ("Parameter", "Value", "±")
+
+
+def start(points: Any, family: str = "auto", box: Any = None, instead: Any = None) -> FitPanel | None:
+    """Begin a fit and show its panel; None if it could not begin."""
+    try:
+        fit = Fit(points, family, box, instead)
+    except GoneError as error:
+        complain(str(error))
+        return None
+    panel = FitPanel(fit)
+    Gui.Control.closeDialog()
+    Gui.Control.showDialog(panel)
+    return panel
+
+
+def show_results(obj: Any) -> None:
+    """The panel with what the fit found of a vault."""
+    Gui.Control.closeDialog()
+    Gui.Control.showDialog(ResultPanel([obj]))
+
+
+class FitPanel:
+    """Progress of a fit, with a button to cancel it."""
+
+    def __init__(self, fit: Fit) -> None:
+        self.fit = fit
+        self.vaults: list[Any] = []
+        self.form = QtGui.QWidget()
+        self.form.setWindowTitle(tr("Fit vault"))
+        self.form.setWindowIcon(QtGui.QIcon(icon("fit")))
+        self.text = QtGui.QLabel(tr("reading"))
+        self.text.setWordWrap(True)
+        self.bar = QtGui.QProgressBar()
+        layout = QtGui.QVBoxLayout(self.form)
+        layout.addWidget(QtGui.QLabel(tr("Fitting {}").format(fit.points.Label)))
+        layout.addWidget(self.text)
+        layout.addWidget(self.bar)
+        layout.addStretch()
+        self.timer = QtCore.QTimer(self.form)
+        self.timer.timeout.connect(self.look)
+        self.timer.start(EVERY)
+
+    def getStandardButtons(self) -> int:
+        """Cancel alone; close once it failed."""
+        return int(QtGui.QDialogButtonBox.Cancel)
+
+    def look(self) -> None:
+        """Ask how far the fit is, and go on to the results when it is done."""
+        try:
+            found = self.fit.poll()
+        except (RefusedError, GoneError) as error:
+            self.timer.stop()
+            self.bar.hide()
+            self.text.setText(f"<b>{escape(str(error))}</b>")
+            complain(str(error))
+            return
+        if found is None:
+            self.text.setText(tr(self.fit.stage))
+            self.bar.setValue(round(100 * self.fit.share))
+            return
+        self.timer.stop()
+        self.vaults = found
+        # Not from within the timer of a widget that is to go away.
+        QtCore.QTimer.singleShot(0, self._done)
+
+    def _done(self) -> None:
+        Gui.Control.closeDialog()
+        Gui.Control.showDialog(ResultPanel(self.vaults))
+
+    def reject(self) -> bool:
+        """Cancel."""
+        if self.timer.isActive():
+            self.timer.stop()
+            self.fit.cancel()
+        Gui.Control.closeDialog()
+        return True
+
+
+class ResultPanel:
+    """Parameters with their standard deviations, the deviation of the stone, and other families to switch to."""
+
+    def __init__(self, vaults: list[Any]) -> None:
+        self.form = [self._page(obj) for obj in vaults]
+
+    def getStandardButtons(self) -> int:
+        """Close."""
+        return int(QtGui.QDialogButtonBox.Close)
+
+    def reject(self) -> bool:
+        """Close."""
+        Gui.Control.closeDialog()
+        return True
+
+    def _page(self, obj: Any) -> Any:
+        report = json.loads(obj.Report)
+        page = QtGui.QWidget()
+        page.setWindowTitle(obj.Label)
+        page.setWindowIcon(QtGui.QIcon(icon("vault")))
+        layout = QtGui.QVBoxLayout(page)
+        summary = QtGui.QLabel(_summary(report))
+        summary.setWordWrap(True)
+        layout.addWidget(summary)
+        layout.addWidget(_legend())
+        layout.addWidget(_table(report["estimates"]))
+        if report["alternatives"]:
+            layout.addLayout(_alternatives(obj, report))
+        return page
+
+
+def _summary(report: dict[str, Any]) -> str:
+    d = report["deviation"]
+    within = ", ".join(f"{share:.0%} {tr('within')} {1000 * float(limit):g} mm" for limit, share in d["within"].items())
+    rows = [
+        f"<b>{escape(report['title'])}</b>, {tr('confidence')} {report['confidence']:.0%}",
+        f"{tr('deviation')}: rms {1000 * d['rms']:.1f} mm, 95 % &lt; {1000 * d['p95']:.1f} mm, {d['loa']}",
+        within,
+        f"{tr('coverage')} {report['coverage']:.0%}",
+        *(f"<span style='color:#b00'>{escape(flag)}</span>" for flag in report["flags"]),
+    ]
+    return "<br>".join(rows)
+
+
+def _legend() -> Any:
+    """The scale of the deviations, as the points are coloured."""
+    stops = ", ".join(
+        f"stop:{at} rgb({', '.join(str(round(255 * c)) for c in colour)})"
+        for at, colour in zip((0, 0.5, 1), SCALE, strict=True)
+    )
+    label = QtGui.QLabel(f"−{LIMIT:g} mm {tr('room')}        0        {tr('stone')} +{LIMIT:g} mm")
+    label.setAlignment(QtCore.Qt.AlignCenter)
+    label.setStyleSheet(f"color: black; padding: 2px; background: qlineargradient(x1:0, x2:1, {stops})")
+    return label
+
+
+def _table(estimates: dict[str, dict[str, Any]]) -> Any:
+    table = QtGui.QTableWidget(len(estimates), len(COLUMNS))
+    table.setHorizontalHeaderLabels([tr(name) for name in COLUMNS])
+    table.verticalHeader().hide()
+    table.setEditTriggers(QtGui.QAbstractItemView.NoEditTriggers)
+    for row, (name, estimate) in enumerate(estimates.items()):
+        std = "" if estimate["std"] is None else _std(estimate["std"], estimate["unit"])
+        for column, text in enumerate((name, shown(estimate["value"], estimate["unit"]), std)):
+            item = QtGui.QTableWidgetItem(text)
+            item.setToolTip(estimate["meaning"])
+            table.setItem(row, column, item)
+    table.verticalHeader().setDefaultSectionSize(22)
+    table.resizeColumnsToContents()
+    table.horizontalHeader().setStretchLastSection(True)
+    table.setMinimumHeight(260)
+    return table
+
+
+def _std(value: float, unit: str) -> str:
+    return f"{1000 * value:.1f} mm" if unit == "m" else shown(float(f"{value:.2g}"), unit)
+
+
+def _alternatives(obj: Any, report: dict[str, Any]) -> Any:
+    rows = QtGui.QVBoxLayout()
+    rows.addWidget(QtGui.QLabel(tr("Or else:")))
+    choice = QtGui.QComboBox()
+    titles = {name: family["title"] for name, family in families().items()}
+    for name, score in report["alternatives"]:
+        choice.addItem(f"{titles.get(name, name)} ({score:.0%})", name)
+    button = QtGui.QPushButton(tr("Fit this instead"))
+    button.setToolTip(tr("Fit the chosen family to the same points; it takes the place of this vault"))
+    button.clicked.connect(lambda: start(obj.Scan, choice.currentData(), None, obj))
+    rows.addWidget(choice)
+    rows.addWidget(button)
+    return rows

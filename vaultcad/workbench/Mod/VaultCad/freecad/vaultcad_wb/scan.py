@@ -1,0 +1,135 @@
+"""A scan in the document: its points thinned and coloured, and their deviations once it was fitted."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from array import array
+from pathlib import Path
+from typing import Any
+
+import FreeCAD as App
+import Points
+
+from .client import FITTER
+from .texts import tr
+
+BYTES, FLOATS = 3, 12  # of one point: its colour, and its coordinates
+SHOWS = ("Colour", "Deviation")
+LIMIT = 30.0  # [mm], deviation of the strongest colour
+OFF = (0.75, 0.75, 0.75)  # points on no vault
+# Blue in the room, white on the model, red in the stone: told apart by the colour-blind too.
+SCALE = ((0.13, 0.40, 0.67), (0.97, 0.97, 0.97), (0.70, 0.09, 0.17))
+
+Colour = tuple[float, ...]  # red, green, blue from 0 to 1
+
+
+def load(document: Any, path: str, up: str = "Z") -> Any:
+    """Read a scan through the worker and show its points.
+
+    Raises:
+        client.RefusedError: the file cannot be read; why.
+        client.GoneError: the worker cannot be had.
+    """
+    with tempfile.TemporaryDirectory(prefix="vaultcad-") as folder:
+        out = Path(folder) / "points"
+        reply = FITTER.ask("read", scan=path, up=up.lower(), path=str(out))
+        content = out.read_bytes()
+    obj = document.addObject("Points::FeaturePython", "Scan")
+    obj.Label = Path(path).stem
+    Scan(obj)
+    obj.File, obj.Up, obj.Total = path, up, reply["points"]
+    obj.Origin = App.Vector(*reply["origin"])
+    n = reply["shown"]
+    xyz = array("f", content[: n * FLOATS])
+    cloud = Points.Points()
+    cloud.addPoints(list(zip(xyz[0::3], xyz[1::3], xyz[2::3], strict=True)))
+    obj.Points = cloud
+    rgb = [value / 255 for value in content[n * FLOATS : n * (FLOATS + BYTES)]]
+    obj.ScanColor = list(zip(rgb[0::3], rgb[1::3], rgb[2::3], strict=True))
+    obj.Color = obj.ScanColor
+    if App.GuiUp:
+        from .view import ScanView
+
+        ScanView(obj.ViewObject)
+        obj.ViewObject.DisplayMode = "Color"
+        obj.ViewObject.PointSize = 2
+    return obj
+
+
+def is_scan(obj: Any) -> bool:
+    """Whether an object of a document is a scan of ours."""
+    return isinstance(getattr(obj, "Proxy", None), Scan)
+
+
+def show_deviations(obj: Any, path: Path) -> None:
+    """Colour the points by the deviations that a fit wrote."""
+    obj.Deviation = array("f", path.read_bytes()).tolist()
+    obj.Show = "Deviation"
+
+
+def colour(deviation: float, limit: float) -> Colour:
+    """The colour of a deviation [mm], positive in the stone; grey where there is none."""
+    if math.isnan(deviation):
+        return OFF
+    share = max(-1.0, min(1.0, deviation / limit))
+    end, t = SCALE[0 if share < 0 else 2], abs(share)
+    return tuple(m + t * (e - m) for m, e in zip(SCALE[1], end, strict=True))
+
+
+class Scan:
+    """The behaviour of the object; the object's own properties hold all values."""
+
+    def __init__(self, obj: Any) -> None:
+        obj.Proxy = self
+        for kind, name, group, text in (
+            ("App::PropertyFile", "File", "Scan", tr("the scan's file")),
+            ("App::PropertyEnumeration", "Up", "Scan", tr("the axis that is up in the file")),
+            ("App::PropertyInteger", "Total", "Scan", tr("points in the file")),
+            ("App::PropertyVector", "Origin", "Scan", tr("what the points are relative to, in metres")),
+            (
+                "App::PropertyEnumeration",
+                "Show",
+                "Colours",
+                tr("its own colours, or the deviations from the fit"),
+            ),
+            ("App::PropertyLength", "Limit", "Colours", tr("deviation that has the strongest colour")),
+            ("App::PropertyColorList", "Color", "Colours", ""),
+            ("App::PropertyColorList", "ScanColor", "Colours", ""),
+            ("App::PropertyFloatList", "Deviation", "Colours", ""),
+        ):
+            obj.addProperty(kind, name, group, text)
+        obj.Up, obj.Show = ["Z", "Y"], list(SHOWS)
+        obj.Limit = LIMIT
+        self._hide(obj)
+
+    def execute(self, obj: Any) -> None:
+        """Nothing to make: the points stay as they were read."""
+
+    def onChanged(self, obj: Any, name: str) -> None:
+        """Colour the points as is asked."""
+        if name not in {"Show", "Limit", "Deviation"} or App.isRestoring() or "Deviation" not in obj.PropertiesList:
+            return
+        if obj.Show == "Deviation" and len(obj.Deviation) == len(obj.ScanColor) and obj.Limit.Value > 0:
+            limit = obj.Limit.Value
+            obj.Color = [colour(value, limit) for value in obj.Deviation]
+        elif obj.ScanColor:
+            obj.Color = obj.ScanColor
+
+    def onDocumentRestored(self, obj: Any) -> None:
+        """What documents do not keep: which properties are hidden."""
+        self._hide(obj)
+
+    def dumps(self) -> None:
+        """Nothing to keep: the object's properties hold all."""
+
+    def loads(self, state: None) -> None:
+        """Nothing was kept."""
+
+    __getstate__, __setstate__ = dumps, loads  # the names that FreeCAD 0.20 knows them by
+
+    def _hide(self, obj: Any) -> None:
+        for name in ("File", "Up", "Total", "Origin"):
+            obj.setEditorMode(name, 1)
+        for name in ("Color", "ScanColor", "Deviation"):
+            obj.setEditorMode(name, 2)

@@ -1,0 +1,119 @@
+"""What a family of vaults can be told, as tables: the families' own declarations, so that nothing is typed again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from families import Profile, Vault
+    from families.parameters import Parameter
+    from vaultcad.workbench.protocol import Request
+
+GROUPS = {"vault": "Dimensions", "profile": "Arches", "size": "Sizes"}
+
+
+def families(request: Request) -> dict[str, Any]:
+    """All families with their parameters in order; lengths in metres, angles in radians."""
+    from families import FAMILIES
+
+    return {"families": [declared(cls) for cls in FAMILIES]}
+
+
+def declared(cls: type[Vault]) -> dict[str, Any]:
+    """One family: names, components, `parameters`, and `sizes` that follow from them.
+
+    A parameter has name, kind, unit, low, high, meaning, group, default. One of kind "choice" is a profile: instead of
+    a range it has `choices`, profile id -> the parameters that this profile adds.
+    """
+    from families import Profile
+    from families.parameters import derived_declarations
+
+    vault = cls()
+    own, values = {p.path[0]: p for p in vault.parameters()}, vault.values()
+    parameters = []
+    for name in (field.name for field in fields(cls)):
+        value = getattr(vault, name)
+        if isinstance(value, Profile):
+            parameters.append(_choice(vault, name, value))
+        else:
+            parameters.append(_number(own[name], values[name], GROUPS["vault"]))
+    sizes = [
+        {"name": name, "kind": _kind(size.unit), "unit": size.unit, "meaning": size.meaning, "group": GROUPS["size"]}
+        for name, size in derived_declarations(cls).items()
+    ]
+    return {
+        "id": cls.id,
+        "title": cls.title,
+        "aliases": {language: list(names) for language, names in cls.aliases.items()},
+        "components": list(vault.components),
+        "parameters": parameters,
+        "sizes": sizes,
+    }
+
+
+def vault_of(family: str, profiles: Mapping[str, str], parameters: Mapping[str, float]) -> Vault:
+    """The vault of a family's name, the ids of its profiles by field, and its parameters by their flat names.
+
+    Raises:
+        ValueError: an unknown name, or a value outside its range.
+    """
+    from families import Profile, profile
+    from families import family as named
+
+    vault = named(family)()
+    known = [name for name, value in vars(vault).items() if isinstance(value, Profile)]
+    for name, kind in profiles.items():
+        if name not in known:
+            raise ValueError(f"a {vault.title} has no profile {name!r}; it has {', '.join(known) or 'none'}")
+        if getattr(vault, name).id != kind:
+            vault = replace(vault, **{name: profile(kind)()})
+    return vault.replaced(parameters)
+
+
+def profiles_of(vault: Vault) -> dict[str, str]:
+    """Field -> id of each profile of a vault."""
+    from families import Profile
+
+    return {name: value.id for name, value in vars(vault).items() if isinstance(value, Profile)}
+
+
+def _choice(vault: Vault, name: str, default: Profile) -> dict[str, Any]:
+    from families import PROFILES
+
+    choices = {}
+    for kind in PROFILES:
+        # The family's own default keeps its own numbers, as in a lunette vault of 0.45.
+        one = default if kind is type(default) else kind()
+        within = replace(vault, **{name: one})
+        values = within.values()
+        choices[kind.id] = [
+            _number(p, values[p.name], GROUPS["profile"]) for p in within.parameters() if p.path[0] == name
+        ]
+    return {
+        "name": name,
+        "kind": "choice",
+        "meaning": "kind of arch",
+        "group": GROUPS["profile"],
+        "default": default.id,
+        "choices": choices,
+    }
+
+
+def _number(parameter: Parameter, default: float, group: str) -> dict[str, Any]:
+    limits = parameter.range
+    return {
+        "name": parameter.name,
+        "kind": "integer" if parameter.integer else _kind(limits.unit),
+        "unit": limits.unit,
+        "low": limits.low,
+        "high": limits.high,
+        "meaning": limits.meaning,
+        "group": group,
+        "default": int(default) if parameter.integer else default,
+    }
+
+
+def _kind(unit: str) -> str:
+    return {"m": "length", "rad": "angle", "1": "number"}[unit]

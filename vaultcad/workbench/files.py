@@ -1,0 +1,56 @@
+"""Vaults of a FreeCAD document as STEP, IFC or GLB, through the exporters that a fit uses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vaultcad.workbench.measured import fitted_vault
+
+if TYPE_CHECKING:
+    from vaultcad.workbench.protocol import Request
+
+THICKNESS = 0.15  # m, of a vault that is shown as a surface
+
+
+def export(request: Request) -> dict[str, Any]:
+    """Write vaults to `path`, whose suffix says how.
+
+    Asked: path, name (of the document), origin [m], and vaults: each with family, profiles, parameters and pose, and
+    the rest of what the fit told of it as long as it is as fitted. `thickness` [m] is that of all. Told: path.
+
+    Raises:
+        ExportError: it cannot be written, or a vault not be built.
+    """
+    from segmentation.io.whole import replacing
+    from vaultcad.export.buildable import buildable
+    from vaultcad.export.glb import write_glb
+    from vaultcad.export.ifc import write_ifc
+    from vaultcad.export.step import write_step
+    from vaultcad.model import Model
+    from vaultcad.versions import versions
+
+    writers = {".step": write_step, ".stp": write_step, ".ifc": write_ifc, ".glb": write_glb}
+    path = Path(request.text("path"))
+    write = writers.get(path.suffix.lower())
+    if write is None:
+        raise ValueError(f"{path.name}: unknown suffix {path.suffix!r}; name one of {', '.join(writers)}")
+    try:
+        vaults = tuple(fitted_vault(plain) for plain in request.tables("vaults"))
+        origin = np.array([float(value) for value in request.arguments.get("origin", (0, 0, 0))]).reshape(3)
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"vaults: {type(error).__name__} {error}; give family, parameters and pose of each") from None
+    model = Model(
+        scan=Path(request.text("name", "vaults")),
+        points=sum(component.points for vault in vaults for component in vault.components),
+        bounds=np.zeros((2, 3)),
+        origin=origin,
+        vaults=vaults,
+        thickness=request.number("thickness", 0) or THICKNESS,
+        versions=versions(),
+    )
+    with replacing(path) as part:
+        write(buildable(model), part)
+    return {"path": str(path)}

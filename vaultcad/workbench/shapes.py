@@ -1,0 +1,70 @@
+"""A vault as a BREP file [mm], with the component and colour of each face."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vaultcad.workbench.declarations import vault_of
+
+if TYPE_CHECKING:
+    from OCP.TopoDS import TopoDS_Shape
+
+    from families import Vault
+    from vaultcad.workbench.protocol import Request
+
+
+def build(request: Request) -> dict[str, Any]:
+    """Write the masonry, or with thickness 0 the intrados, of a vault in its own frame to `path`.
+
+    Asked: family, profiles, parameters [m, rad], thickness [m], path. Told: `faces`, the component of each face in the
+    order of the file; `colours` by component; `sizes` that follow from the parameters [m, rad].
+    """
+    from segmentation.io.whole import replacing
+    from vaultcad.export.palette import colour
+
+    vault = vault_of(request.text("family"), request.texts("profiles"), request.numbers("parameters"))
+    path = Path(request.text("path"))
+    shape, names = made(vault, request.number("thickness", 0.0))
+    with replacing(path) as part:
+        _write(shape, part)
+    ids = {name: 1 + k for k, name in enumerate(vault.components)}
+    colours = {name: colour(ids.get(name, 0)).unit for name in dict.fromkeys(names)}
+    return {"faces": names, "colours": colours, "sizes": vault.derived_values()}
+
+
+def made(vault: Vault, thickness: float) -> tuple[TopoDS_Shape, list[str]]:
+    """The shape [mm] and the component of each of its faces, in their order.
+
+    Raises:
+        ValueError: the thickness [m] is below 0, or OpenCASCADE cannot build the vault.
+    """
+    from families import brep
+
+    if thickness:
+        shape = brep.masonry(vault, thickness)
+        return shape, [name for _, name in brep.face_names(shape, vault)]
+    named = [(face, name) for face, name in brep.face_names(brep.void(vault), vault) if name in vault.components]
+    return _together([face for face, _ in named]), [name for _, name in named]
+
+
+def _together(faces: list[Any]) -> TopoDS_Shape:
+    from OCP.BRep import BRep_Builder
+    from OCP.TopoDS import TopoDS_Compound
+
+    compound, builder = TopoDS_Compound(), BRep_Builder()
+    builder.MakeCompound(compound)
+    for face in faces:
+        builder.Add(compound, face)
+    return compound
+
+
+def _write(shape: TopoDS_Shape, path: Path) -> None:
+    from OCP.BRepTools import BRepTools
+    from OCP.Message import Message_ProgressRange
+    from OCP.TopTools import TopTools_FormatVersion
+
+    # The format of OpenCASCADE 6 to 7.5: every FreeCAD reads it. Triangles are FreeCAD's to make.
+    version = TopTools_FormatVersion.TopTools_FormatVersion_VERSION_2
+    if not BRepTools.Write_s(shape, str(path), False, False, version, Message_ProgressRange()):
+        raise OSError(f"{path} could not be written; is there space left?")
