@@ -10,13 +10,13 @@ from typing import Any
 from vaultcad.model import Component, Deviation, Estimate, FittedVault, Pose
 from vaultcad.workbench.declarations import profiles_of, vault_of
 
+KEPT = ("pose", "confidence", "alternatives", "components", "deviation", "coverage", "converged", "as_built")
 UNMEASURED = Deviation(nan, nan, nan, nan, {}, "")
 
 
 def told(fitted: FittedVault) -> dict[str, Any]:
     """Plain values: family, title, profiles, parameters, pose [m, rad], `estimates`, components and deviations."""
-    plain = asdict(fitted)
-    del plain["vault"], plain["parameters"]
+    whole = asdict(fitted)
     found: dict[str, Any] = _finite(
         {
             "family": fitted.vault.id,
@@ -24,7 +24,7 @@ def told(fitted: FittedVault) -> dict[str, Any]:
             "profiles": profiles_of(fitted.vault),
             "parameters": fitted.vault.values(),
             "estimates": {name: asdict(estimate) for name, estimate in fitted.parameters.items()},
-            **plain,
+            **{name: whole[name] for name in KEPT},
         }
     )
     return found
@@ -51,13 +51,17 @@ def fitted_vault(plain: Mapping[str, Any]) -> FittedVault:
         pose=pose,
         confidence=plain["confidence"],
         alternatives=tuple((name, score) for name, score in plain["alternatives"]),
-        parameters={name: Estimate(**estimate) for name, estimate in plain["estimates"].items()},
+        parameters={name: _estimate(estimate) for name, estimate in plain["estimates"].items()},
         components=tuple(Component(**{**c, "deviation": _deviation(c["deviation"])}) for c in plain["components"]),
         deviation=_deviation(plain["deviation"]) or UNMEASURED,
         coverage=plain["coverage"],
         converged=plain["converged"],
         as_built=_deviation(plain["as_built"]),
     )
+
+
+def _estimate(plain: Mapping[str, Any]) -> Estimate:
+    return Estimate(**{name: tuple(value) if isinstance(value, list) else value for name, value in plain.items()})
 
 
 def _deviation(plain: Mapping[str, Any] | None) -> Deviation | None:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 MM = 1000.0
 FINEST = 0.01  # m, cells of the points that are shown
 SHOWN = 100_000  # points at the most
+WALL, DEEP = 0.5, 20.0  # m around and under a vault that belong to its bay
 FEW, UNSURE = 0.5, 0.8  # shares below which coverage and confidence are pointed out
 
 
@@ -36,11 +37,12 @@ def read(request: Request) -> dict[str, Any]:
 
 
 def fit(request: Request) -> dict[str, Any]:
-    """Fit the vaults of a scan, and write the deviation of each shown point to `path`: float32 (n,) [mm], NaN off them.
+    """Fit the vaults of a scan, and write the deviation of each shown point to `path`: float32 (n,) [mm].
 
-    Asked: scan, up, family ("auto" or a name), thickness [m], seed, path, and box to fit only what is in it: `frame`
-    (3, 4) that brings local points into the box's own axes, its corners `low` and `high` there [m]. Told: `vaults`, as
-    `told` has them, and the scan as `read` tells it. The stages of the fit come as progress.
+    Deviations are NaN off the vaults, and infinite outside the box. Asked: scan, up, family ("auto" or a name),
+    thickness [m], seed, path, and box to fit only what is in it: `frame` (3, 4) that brings local points into the box's
+    own axes, its corners `low` and `high` there [m]. Told: `vaults`, as `told` has them, each with `flags` and, if
+    there are several, the box of its bay; and the scan as `read` tells it. The stages come as progress.
 
     Raises:
         NoVaultError: the scan holds none.
@@ -61,11 +63,15 @@ def fit(request: Request) -> dict[str, Any]:
     cloud, thinned = _scan(request)
     inside = _inside(cloud, request.table("box"))
     result = fit_scan(_part(cloud, inside), settings, progress=progress)
-    deviation = np.full(len(cloud), np.nan, np.float32)
+    deviation = np.full(len(cloud), np.inf, np.float32)
     deviation[inside] = result.labels.deviation
     _bytes(Path(request.text("path")), (_means(thinned, deviation) * MM).astype("<f4").tobytes())
+    several = len(result.model.vaults) > 1
     return {
-        "vaults": [{**told(vault), "flags": flags(vault)} for vault in result.model.vaults],
+        "vaults": [
+            {**told(vault), "flags": flags(vault), "bay": bay(vault) if several else None}
+            for vault in result.model.vaults
+        ],
         "shown": len(thinned),
         "points": len(cloud),
         "origin": cloud.origin.tolist(),
@@ -80,6 +86,13 @@ def flags(vault: Any) -> list[str]:
         f"the family is not certain ({vault.confidence:.0%})": vault.confidence < UNSURE,
     }
     return [text for text, holds in found.items() if holds]
+
+
+def bay(vault: Any) -> dict[str, Any]:
+    """The box of a vault with its walls, as `fit` takes one; vault: a FittedVault."""
+    half = np.array([vault.vault.plan.half_x, vault.vault.plan.half_y]) + WALL
+    top = vault.vault.derived_values()["rise"] + WALL
+    return {"frame": vault.pose.frame().tolist(), "low": [*-half, -DEEP], "high": [*half, top]}
 
 
 def _scan(request: Request) -> tuple[Cloud, Thinned]:
@@ -144,12 +157,13 @@ def _part(cloud: Cloud, inside: NDArray[np.bool_]) -> Cloud:
 
 
 def _means(thinned: Thinned, deviation: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Mean (m,) over the points of each cell that have a deviation, NaN where none has."""
+    """Mean (m,) over the points of each cell that have a deviation, else NaN, or infinite where all its points are."""
     cells = cast("NDArray[np.int32]", thinned.inverse)
-    on = np.isfinite(deviation) & (cells >= 0)
+    on = np.isfinite(deviation)
     sums = np.bincount(cells[on], deviation[on], minlength=len(thinned))
     counts = np.bincount(cells[on], minlength=len(thinned))
-    return np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
+    tried = np.bincount(cells[~np.isinf(deviation)], minlength=len(thinned))
+    return np.where(counts > 0, sums / np.maximum(counts, 1), np.where(tried > 0, np.nan, np.inf))
 
 
 def _bytes(path: Path, content: bytes) -> None:

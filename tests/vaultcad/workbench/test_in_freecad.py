@@ -1,8 +1,16 @@
 """The add-on in the real FreeCAD, without a window."""
 
+import sys
+from pathlib import Path
+
+import ifcopenshell
 import pytest
+from build123d import import_step
 
 from families import FAMILIES, Groin
+from vaultcad.workbench.install import INTERPRETER, by_rule, install
+
+ROOT = Path(__file__).parents[3]
 
 pytestmark = pytest.mark.freecad
 
@@ -40,3 +48,93 @@ def test_every_family_is_edited_to_all_ends_undone_saved_and_opened(in_freecad) 
     assert sound(found["edited"])
     assert found["edited"]["box"][1] - found["edited"]["box"][0] == pytest.approx(6500 + 400)
     assert "Traceback" not in found["said"]
+
+
+def test_what_cannot_be_is_refused_and_a_dead_worker_is_survived(in_freecad) -> None:
+    found = in_freecad("refused")
+    start, said = found["start"], found["said"]
+    assert sound(start)
+    refused = found["refused"]
+    assert sound(refused)
+    assert refused["box"] == start["box"]
+    assert (refused["span"], refused["profile"]) == (5000, "semicircular")
+    assert "VaultCad: Groin vault: span_x = 400 lies outside [0.5, 40] m; the last good value is back" in said
+    assert found["thickness"] == 0
+
+    driven = found["expression"]
+    assert "Invalid" in driven["states"]
+    assert "span_x = 100 lies outside" in driven["why"]
+    assert driven["box"] == start["box"], "the last good shape stays"
+    assert found["mended"] == start
+
+    killed = found["killed"]
+    assert "Invalid" in killed["states"]
+    assert killed["box"] == start["box"]
+    assert killed["why"] == "the worker was killed by signal 9; the next edit starts a new one"
+    assert f"VaultCad: Groin vault: {killed['why']}" in said
+    assert found["another"]
+    assert sound(found["next"])
+    assert found["next"]["box"][1] == 3500
+
+    assert found["refused_first"]["null"]
+    assert "Invalid" in found["refused_first"]["states"]
+    assert "span = 1000 lies outside" in found["refused_first"]["why"]
+
+
+def test_a_scan_is_fitted_and_exported(in_freecad, tmp_path) -> None:
+    found = in_freecad("fitted", scan=str(ROOT / "examples" / "room.laz"))
+    assert 50_000 < found["shown"] <= 100_000
+    assert found["total"] == 350_456
+    assert found["start"]["objects"] == ["Scan"]
+    assert found["start"]["colours"] > 50
+    assert found["killed"] == "the worker was killed by signal 9; the next edit starts a new one"
+    assert found["after"] == found["start"], "a fit that did not end leaves the document alone"
+
+    fit = found["fit"]
+    assert fit["objects"] == ["Scan", "Groin"]
+    assert fit["on"] > 10_000
+    assert fit["colours"] > 100
+    assert {"finding", "measuring"} & set(fit["stages"])
+    assert sound(fit["state"])
+    report = fit["report"]
+    assert report["family"] == "groin"
+    assert fit["values"] == pytest.approx(report["parameters"], abs=1e-9)
+    assert fit["values"]["span_x"] == pytest.approx(4.6, abs=0.02)
+    assert fit["values"]["span_y"] == pytest.approx(5.4, abs=0.02)
+    assert fit["base"] == pytest.approx([1000 * report["pose"][axis] for axis in "xyz"])
+    assert fit["pose"] == pytest.approx(report["pose"])
+    assert report["flags"] == []
+
+    assert import_step(tmp_path / "fitted.step").volume > 0
+    assert (tmp_path / "fitted.glb").read_bytes().startswith(b"glTF")
+    fitted, edited = (ifcopenshell.open(tmp_path / f"{name}.ifc") for name in ("fitted", "edited"))
+    sets = [{entity.Name for entity in ifc.by_type("IfcPropertySet")} for ifc in (fitted, edited)]
+    assert "VaultCAD_Deviation" in sets[0]
+    assert found["edited"]
+    assert "VaultCAD_Deviation" not in sets[1], "an edited vault is not what was measured"
+    assert found["suffix"].startswith("fitted.dwg: unknown suffix")
+
+    switched = found["switched"]
+    assert switched["family"] == "sail vault"
+    assert switched["objects"] == ["Scan", "Sail"]
+    assert [name for name, _ in switched["alternatives"]]
+    assert found["undone"]["objects"] == ["Scan", "Groin"]
+    assert found["undone"]["on"] == fit["on"]
+    assert found["empty"] == "the box holds no point of the scan; move it over the vault"
+    assert found["opened"]
+    assert found["plain"]
+    assert "Traceback" not in found["said"]
+
+
+def test_documents_open_where_the_worker_cannot_be_had(in_freecad, home, tmp_path) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    mod = install(by_rule({}, sys.platform, elsewhere))
+    found = in_freecad("saved")
+    assert sound(found["saved"])
+    (mod / INTERPRETER).write_text("/no/such/python\n")
+    opened = in_freecad("opened", home=elsewhere)
+    assert opened["state"] == found["saved"]
+    assert "Invalid" in opened["edited"]["states"]
+    assert opened["edited"]["box"] == found["saved"]["box"]
+    assert opened["why"].startswith("/no/such/python cannot be started")
+    assert opened["why"].endswith("run `vaultcad freecad install` again")

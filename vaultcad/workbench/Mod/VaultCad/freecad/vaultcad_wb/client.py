@@ -107,8 +107,7 @@ class Worker:
     def stop(self) -> None:
         """End the process, whatever it is doing; calls under way are told."""
         if self._life is not None:
-            self._life.process.kill()
-            self._life.process.wait()
+            self._life.end()
 
 
 class _Life:
@@ -131,9 +130,16 @@ class _Life:
         self._said: deque[str] = deque(maxlen=TOLD)
         self._errors = threading.Thread(target=self._drain, daemon=True)
         self._errors.start()
-        threading.Thread(target=self._listen, daemon=True).start()
+        self._replies = threading.Thread(target=self._listen, daemon=True)
+        self._replies.start()
+
+    def end(self) -> None:
+        """Kill the process, and wait until all calls are told."""
+        self.process.kill()
+        self._replies.join(5.0)
 
     def send(self, call: Call, do: str, arguments: dict[str, Any]) -> None:
+        """Send a request whose replies go to a call."""
         number = next(self._numbers)
         with self._lock:
             if self._ended:
@@ -147,15 +153,19 @@ class _Life:
 
     def _listen(self) -> None:
         stream: Any = self.process.stdout
-        for line in stream:
-            reply = json.loads(line)
-            with self._lock:
-                find = self._calls.get if "progress" in reply else self._calls.pop
-                call = find(reply["id"])
-            if call is not None:
-                call.replies.put(reply)
+        with stream:
+            for line in stream:
+                reply = json.loads(line)
+                with self._lock:
+                    find = self._calls.get if "progress" in reply else self._calls.pop
+                    call = find(reply["id"])
+                if call is not None:
+                    call.replies.put(reply)
         code = self.process.wait()
         self._errors.join(1.0)
+        requests: Any = self.process.stdin
+        with contextlib.suppress(OSError):  # what it was still to be told is lost
+            requests.close()
         with self._lock:
             self._ended = self._epitaph(code)
             calls = list(self._calls.values())
@@ -164,9 +174,10 @@ class _Life:
 
     def _drain(self) -> None:
         stream: Any = self.process.stderr
-        for line in stream:
-            if text := line.decode(errors="replace").strip():
-                self._said.append(text)
+        with stream:
+            for line in stream:
+                if text := line.decode(errors="replace").strip():
+                    self._said.append(text)
 
     def _epitaph(self, code: int) -> str:
         how = f"was killed by signal {-code}" if code < 0 else f"ended with code {code}"

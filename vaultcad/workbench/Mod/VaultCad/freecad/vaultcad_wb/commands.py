@@ -12,7 +12,8 @@ from . import panel, scan, vault
 from .catalogue import families
 from .client import GoneError, RefusedError
 from .exports import FILTERS, export
-from .texts import CONTEXT, complain, marked, tr
+from .fit import region
+from .texts import QT_TRANSLATE_NOOP, complain, translate
 from .view import icon
 
 SCANS = "*.e57 *.las *.laz *.ply *.pcd *.xyz *.pts *.csv *.txt"
@@ -49,8 +50,8 @@ class Command:
 class NewVault(Command):
     """A menu of the families."""
 
-    menu = marked(CONTEXT, "New vault")
-    tip = marked(CONTEXT, "Make a vault of a family; its sizes are properties")
+    menu = QT_TRANSLATE_NOOP("VaultCad", "New vault")
+    tip = QT_TRANSLATE_NOOP("VaultCad", "Make a vault of a family; its sizes are properties")
     image = "vault"
 
     def GetCommands(self) -> tuple[str, ...]:
@@ -80,7 +81,7 @@ class NewFamily(Command):
     def run(self, index: int) -> None:
         """Make it in the active document, or in a new one."""
         document = App.ActiveDocument or App.newDocument()
-        document.openTransaction(tr("New vault"))
+        document.openTransaction(translate("VaultCad", "New vault"))
         vault.make(document, self.family)
         document.recompute()
         document.commitTransaction()
@@ -91,22 +92,21 @@ class NewFamily(Command):
 class ImportScan(Command):
     """A scan from a file."""
 
-    menu = marked(CONTEXT, "Import scan")
-    tip = marked(CONTEXT, "Show the points of a laser scan, thinned and coloured")
+    menu = QT_TRANSLATE_NOOP("VaultCad", "Import scan")
+    tip = QT_TRANSLATE_NOOP("VaultCad", "Show the points of a laser scan, thinned and coloured")
     image = "scan"
 
     def run(self, index: int) -> None:
         """Ask for the file."""
-        path, _ = QtGui.QFileDialog.getOpenFileName(
-            Gui.getMainWindow(), tr("Import scan"), "", f"{tr('Scans')} ({SCANS})"
-        )
+        title, kind = translate("VaultCad", "Import scan"), translate("VaultCad", "Scans")
+        path, _ = QtGui.QFileDialog.getOpenFileName(Gui.getMainWindow(), title, "", f"{kind} ({SCANS})")
         if path:
             self.load(path)
 
     def load(self, path: str) -> Any:
         """Read a file into the active document, or into a new one."""
         document = App.ActiveDocument or App.newDocument()
-        document.openTransaction(tr("Import scan"))
+        document.openTransaction(translate("VaultCad", "Import scan"))
         try:
             obj = scan.load(document, path)
         except (RefusedError, GoneError):
@@ -122,8 +122,10 @@ class ImportScan(Command):
 class FitVault(Command):
     """From a scan to vaults."""
 
-    menu = marked(CONTEXT, "Fit vault")
-    tip = marked(CONTEXT, "Fit vaults to the selected scan; a box that is selected too keeps the fit inside it")
+    menu = QT_TRANSLATE_NOOP("VaultCad", "Fit vault")
+    tip = QT_TRANSLATE_NOOP(
+        "VaultCad", "Fit vaults to the selected scan; a box that is selected too keeps the fit inside it"
+    )
     image = "fit"
 
     def IsActive(self) -> bool:
@@ -132,7 +134,8 @@ class FitVault(Command):
 
     def run(self, index: int) -> None:
         """Begin, and show the panel."""
-        panel.start(self._points(), box=self._box())
+        points, box = self._points(), self._box()
+        panel.start(points, region=None if box is None else region(box, points))
 
     def _points(self) -> Any:
         """The selected scan, or the only one of the document."""
@@ -149,8 +152,8 @@ class FitVault(Command):
 class Export(Command):
     """Vaults to a file."""
 
-    menu = marked(CONTEXT, "Export vaults")
-    tip = marked(CONTEXT, "Write the selected vaults, or all, as STEP, IFC or GLB with their components")
+    menu = QT_TRANSLATE_NOOP("VaultCad", "Export vaults")
+    tip = QT_TRANSLATE_NOOP("VaultCad", "Write the selected vaults, or all, as STEP, IFC or GLB with their components")
     image = "export"
 
     def IsActive(self) -> bool:
@@ -159,7 +162,8 @@ class Export(Command):
 
     def run(self, index: int) -> None:
         """Ask for the file."""
-        path, chosen = QtGui.QFileDialog.getSaveFileName(Gui.getMainWindow(), tr("Export vaults"), "", FILTERS)
+        title = translate("VaultCad", "Export vaults")
+        path, chosen = QtGui.QFileDialog.getSaveFileName(Gui.getMainWindow(), title, "", FILTERS)
         if path:
             suffix = "" if "." in path.rsplit("/", 1)[-1] else "." + chosen.split()[0].lower()
             export(self._vaults(), path + suffix)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
+from array import array
 from math import degrees, radians
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import FreeCAD as App
 
 from . import properties, scan, vault
 from .client import FITTER, outcome
-from .texts import tr
+from .texts import translate
 
 MM = 1000.0
 
@@ -20,25 +21,27 @@ MM = 1000.0
 class Fit:
     """A fit that runs in the worker; ask `poll` now and then until it gives the vaults."""
 
-    def __init__(self, points: Any, family: str = "auto", box: Any = None, instead: Any = None) -> None:
+    def __init__(
+        self, points: Any, family: str = "auto", region: dict[str, Any] | None = None, instead: Any = None
+    ) -> None:
         """Begin.
 
         Args:
             points: the scan in the document.
             family: "auto", or the id of the one to fit.
-            box: an object with a shape, inside whose box the fit is to stay.
+            region: that the fit is to stay in, as `region` gives it; all of the scan if left out.
             instead: the vault that the result takes the place of.
 
         Raises:
             client.GoneError: the worker cannot be had.
         """
-        self.points, self.instead = points, instead
+        self.points, self.region, self.instead = points, region, instead
         self.stage, self.share = "", 0.0
         self._folder = tempfile.TemporaryDirectory(prefix="vaultcad-")
         self._path = Path(self._folder.name) / "deviation"
         asked = {"scan": points.File, "up": points.Up.lower(), "family": family, "path": str(self._path)}
-        if box is not None:
-            asked["box"] = region(box, points)
+        if region is not None:
+            asked["box"] = region
         self._call = FITTER.begin("fit", **asked)
 
     def poll(self, timeout: float = 0.0) -> list[Any] | None:
@@ -65,12 +68,12 @@ class Fit:
 
     def _place(self, found: list[dict[str, Any]]) -> list[Any]:
         document = self.points.Document
-        document.openTransaction(tr("Fit vault"))
+        document.openTransaction(translate("VaultCad", "Fit vault"))
         try:
             made = [self._vault(document, report) for report in found]
             if self.instead is not None:
                 document.removeObject(self.instead.Name)
-            scan.show_deviations(self.points, self._path)
+            scan.show_deviations(self.points, array("f", self._path.read_bytes()))
             document.recompute()
         except Exception:
             document.abortTransaction()
@@ -81,9 +84,9 @@ class Fit:
     def _vault(self, document: Any, report: dict[str, Any]) -> Any:
         obj = vault.make(document, report["family"])
         properties.choose(obj, obj.Proxy.declaration, report["profiles"], report["parameters"])
-        obj.addProperty("App::PropertyLink", "Scan", "Fit", tr("the scan that it was fitted to"))
+        obj.addProperty("App::PropertyLink", "Scan", "Fit", translate("VaultCad", "the scan that it was fitted to"))
         obj.Scan = self.points
-        obj.Report = json.dumps(report)
+        obj.Report = json.dumps({**report, "region": report["bay"] or self.region})
         pose = report["pose"]
         place = App.Vector(*(MM * pose[axis] for axis in "xyz"))
         turn = App.Rotation(App.Vector(0, 0, 1), degrees(pose["yaw"]))
@@ -112,7 +115,8 @@ def pose(obj: Any) -> dict[str, float]:
         place = obj.Scan.Placement.inverse().multiply(place)
     yaw, pitch, roll = place.Rotation.getYawPitchRoll()
     if abs(pitch) > 1e-6 or abs(roll) > 1e-6:
-        raise ValueError(f"{obj.Label}: {tr('it is tilted; turn it about the vertical only')}")
+        why = translate("VaultCad", "it is tilted; turn it about the vertical only")
+        raise ValueError(f"{obj.Label}: {why}")
     return {"x": place.Base.x / MM, "y": place.Base.y / MM, "z": place.Base.z / MM, "yaw": radians(yaw)}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import FreeCADGui as Gui
 
-from .texts import CONTEXT, marked
+from .texts import QT_TRANSLATE_NOOP
 from .view import icon
 
 
@@ -12,7 +12,7 @@ class VaultCadWorkbench(Gui.Workbench):
     """Vaults, scans, and the way from one to the other."""
 
     MenuText = "VaultCad"
-    ToolTip = marked(CONTEXT, "Masonry vaults as parametric objects, and laser scans fitted with them")
+    ToolTip = QT_TRANSLATE_NOOP("VaultCad", "Masonry vaults as parametric objects, and laser scans fitted with them")
     Icon = icon("workbench")
 
     def Initialize(self) -> None:

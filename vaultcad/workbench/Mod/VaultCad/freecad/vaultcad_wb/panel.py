@@ -13,17 +13,18 @@ from .catalogue import families, shown
 from .client import GoneError, RefusedError
 from .fit import Fit
 from .scan import LIMIT, SCALE
-from .texts import complain, tr
+from .texts import complain, translate
 from .view import icon
 
 EVERY = 100  # [ms] between two looks at the fit
-COLUMNS = ("Parameter", "Value", "±")
 
 
-def start(points: Any, family: str = "auto", box: Any = None, instead: Any = None) -> FitPanel | None:
+def start(
+    points: Any, family: str = "auto", region: dict[str, Any] | None = None, instead: Any = None
+) -> FitPanel | None:
     """Begin a fit and show its panel; None if it could not begin."""
     try:
-        fit = Fit(points, family, box, instead)
+        fit = Fit(points, family, region, instead)
     except GoneError as error:
         complain(str(error))
         return None
@@ -46,13 +47,13 @@ class FitPanel:
         self.fit = fit
         self.vaults: list[Any] = []
         self.form = QtGui.QWidget()
-        self.form.setWindowTitle(tr("Fit vault"))
+        self.form.setWindowTitle(translate("VaultCad", "Fit vault"))
         self.form.setWindowIcon(QtGui.QIcon(icon("fit")))
-        self.text = QtGui.QLabel(tr("reading"))
+        self.text = QtGui.QLabel(translate("VaultCad", "reading"))
         self.text.setWordWrap(True)
         self.bar = QtGui.QProgressBar()
         layout = QtGui.QVBoxLayout(self.form)
-        layout.addWidget(QtGui.QLabel(tr("Fitting {}").format(fit.points.Label)))
+        layout.addWidget(QtGui.QLabel(translate("VaultCad", "Fitting {}").format(fit.points.Label)))
         layout.addWidget(self.text)
         layout.addWidget(self.bar)
         layout.addStretch()
@@ -75,7 +76,7 @@ class FitPanel:
             complain(str(error))
             return
         if found is None:
-            self.text.setText(tr(self.fit.stage))
+            self.text.setText(translate("VaultCad", self.fit.stage))
             self.bar.setValue(round(100 * self.fit.share))
             return
         self.timer.stop()
@@ -129,12 +130,13 @@ class ResultPanel:
 
 def _summary(report: dict[str, Any]) -> str:
     d = report["deviation"]
-    within = ", ".join(f"{share:.0%} {tr('within')} {1000 * float(limit):g} mm" for limit, share in d["within"].items())
+    sure, deviation = translate("VaultCad", "confidence"), translate("VaultCad", "deviation")
+    near, seen = translate("VaultCad", "within"), translate("VaultCad", "of the intrados seen")
     rows = [
-        f"<b>{escape(report['title'])}</b>, {tr('confidence')} {report['confidence']:.0%}",
-        f"{tr('deviation')}: rms {1000 * d['rms']:.1f} mm, 95 % &lt; {1000 * d['p95']:.1f} mm, {d['loa']}",
-        within,
-        f"{tr('coverage')} {report['coverage']:.0%}",
+        f"<b>{escape(report['title'])}</b>, {sure} {report['confidence']:.0%}",
+        f"{deviation}: rms {1000 * d['rms']:.1f} mm, 95 % &lt; {1000 * d['p95']:.1f} mm, {d['loa']}",
+        ", ".join(f"{share:.0%} {near} {1000 * float(limit):g} mm" for limit, share in d["within"].items()),
+        f"{report['coverage']:.0%} {seen}",
         *(f"<span style='color:#b00'>{escape(flag)}</span>" for flag in report["flags"]),
     ]
     return "<br>".join(rows)
@@ -146,15 +148,17 @@ def _legend() -> Any:
         f"stop:{at} rgb({', '.join(str(round(255 * c)) for c in colour)})"
         for at, colour in zip((0, 0.5, 1), SCALE, strict=True)
     )
-    label = QtGui.QLabel(f"−{LIMIT:g} mm {tr('room')}        0        {tr('stone')} +{LIMIT:g} mm")
+    room, stone = translate("VaultCad", "room"), translate("VaultCad", "stone")
+    label = QtGui.QLabel(f"−{LIMIT:g} mm {room}        0        {stone} +{LIMIT:g} mm")
     label.setAlignment(QtCore.Qt.AlignCenter)
     label.setStyleSheet(f"color: black; padding: 2px; background: qlineargradient(x1:0, x2:1, {stops})")
     return label
 
 
 def _table(estimates: dict[str, dict[str, Any]]) -> Any:
-    table = QtGui.QTableWidget(len(estimates), len(COLUMNS))
-    table.setHorizontalHeaderLabels([tr(name) for name in COLUMNS])
+    columns = [translate("VaultCad", "Parameter"), translate("VaultCad", "Value"), "±"]
+    table = QtGui.QTableWidget(len(estimates), len(columns))
+    table.setHorizontalHeaderLabels(columns)
     table.verticalHeader().hide()
     table.setEditTriggers(QtGui.QAbstractItemView.NoEditTriggers)
     for row, (name, estimate) in enumerate(estimates.items()):
@@ -176,14 +180,16 @@ def _std(value: float, unit: str) -> str:
 
 def _alternatives(obj: Any, report: dict[str, Any]) -> Any:
     rows = QtGui.QVBoxLayout()
-    rows.addWidget(QtGui.QLabel(tr("Or else:")))
+    rows.addWidget(QtGui.QLabel(translate("VaultCad", "Or else:")))
     choice = QtGui.QComboBox()
     titles = {name: family["title"] for name, family in families().items()}
     for name, score in report["alternatives"]:
         choice.addItem(f"{titles.get(name, name)} ({score:.0%})", name)
-    button = QtGui.QPushButton(tr("Fit this instead"))
-    button.setToolTip(tr("Fit the chosen family to the same points; it takes the place of this vault"))
-    button.clicked.connect(lambda: start(obj.Scan, choice.currentData(), None, obj))
+    button = QtGui.QPushButton(translate("VaultCad", "Fit this instead"))
+    button.setToolTip(
+        translate("VaultCad", "Fit the chosen family to the same points; it takes the place of this vault")
+    )
+    button.clicked.connect(lambda: start(obj.Scan, choice.currentData(), report["region"], obj))
     rows.addWidget(choice)
     rows.addWidget(button)
     return rows

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import tempfile
 from array import array
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import FreeCAD as App
 import Points
 
 from .client import FITTER
-from .texts import tr
+from .texts import translate
 
 BYTES, FLOATS = 3, 12  # of one point: its colour, and its coordinates
 SHOWS = ("Colour", "Deviation")
@@ -62,9 +63,10 @@ def is_scan(obj: Any) -> bool:
     return isinstance(getattr(obj, "Proxy", None), Scan)
 
 
-def show_deviations(obj: Any, path: Path) -> None:
-    """Colour the points by the deviations that a fit wrote."""
-    obj.Deviation = array("f", path.read_bytes()).tolist()
+def show_deviations(obj: Any, deviations: Sequence[float]) -> None:
+    """Colour the points by their deviations [mm]: NaN off the vaults, infinite where an earlier one stands."""
+    earlier = obj.Deviation or [math.nan] * len(deviations)
+    obj.Deviation = [e if math.isinf(d) else d for d, e in zip(deviations, earlier, strict=True)]
     obj.Show = "Deviation"
 
 
@@ -83,17 +85,27 @@ class Scan:
     def __init__(self, obj: Any) -> None:
         obj.Proxy = self
         for kind, name, group, text in (
-            ("App::PropertyFile", "File", "Scan", tr("the scan's file")),
-            ("App::PropertyEnumeration", "Up", "Scan", tr("the axis that is up in the file")),
-            ("App::PropertyInteger", "Total", "Scan", tr("points in the file")),
-            ("App::PropertyVector", "Origin", "Scan", tr("what the points are relative to, in metres")),
+            ("App::PropertyFile", "File", "Scan", translate("VaultCad", "the scan's file")),
+            ("App::PropertyEnumeration", "Up", "Scan", translate("VaultCad", "the axis that is up in the file")),
+            ("App::PropertyInteger", "Total", "Scan", translate("VaultCad", "points in the file")),
+            (
+                "App::PropertyVector",
+                "Origin",
+                "Scan",
+                translate("VaultCad", "what the points are relative to, in metres"),
+            ),
             (
                 "App::PropertyEnumeration",
                 "Show",
                 "Colours",
-                tr("its own colours, or the deviations from the fit"),
+                translate("VaultCad", "its own colours, or the deviations from the fit"),
             ),
-            ("App::PropertyLength", "Limit", "Colours", tr("deviation that has the strongest colour")),
+            (
+                "App::PropertyLength",
+                "Limit",
+                "Colours",
+                translate("VaultCad", "deviation that has the strongest colour"),
+            ),
             ("App::PropertyColorList", "Color", "Colours", ""),
             ("App::PropertyColorList", "ScanColor", "Colours", ""),
             ("App::PropertyFloatList", "Deviation", "Colours", ""),

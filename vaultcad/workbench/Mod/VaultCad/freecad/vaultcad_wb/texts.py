@@ -1,4 +1,7 @@
-"""Texts in the user's language, and lines in FreeCAD's report view."""
+"""Texts in the user's language, and lines in FreeCAD's report view.
+
+Calls are written as Qt's lupdate finds them: translate("VaultCad", "the text itself").
+"""
 
 from __future__ import annotations
 
@@ -9,20 +12,15 @@ import FreeCAD as App
 CONTEXT = "VaultCad"
 
 
-def tr(text: str) -> str:
+def translate(context: str, text: str) -> str:
     """The translation of a text, or the text itself where there is none, or no window."""
-    translate: Any = getattr(App, "Qt", None)
-    return str(translate.translate(CONTEXT, text)) if translate is not None else text
+    qt: Any = getattr(App, "Qt", None)
+    return str(qt.translate(context, text)) if qt is not None else text
 
 
-def marked(context: str, text: str) -> str:
+def QT_TRANSLATE_NOOP(context: str, text: str) -> str:
     """A text that FreeCAD translates itself when it shows a command; here it is only marked for the translators."""
     return text
-
-
-def say(text: str) -> None:
-    """A line in the report view."""
-    App.Console.PrintMessage(f"VaultCad: {text}\n")
 
 
 def complain(text: str) -> None:

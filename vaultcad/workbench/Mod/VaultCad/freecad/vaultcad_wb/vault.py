@@ -13,7 +13,7 @@ import Part
 from . import properties
 from .catalogue import Declaration, families
 from .client import BUILDER, GoneError, RefusedError
-from .texts import complain, tr
+from .texts import complain, translate
 
 MM = 1000.0
 HIDDEN = properties.HIDDEN
@@ -58,12 +58,12 @@ class Vault:
     def __init__(self, obj: Any, declaration: Declaration) -> None:
         self.declaration = declaration
         obj.Proxy = self
-        obj.addProperty("App::PropertyString", "Family", "Dimensions", tr("family of the vault"))
+        obj.addProperty("App::PropertyString", "Family", "Dimensions", translate("VaultCad", "family of the vault"))
         obj.Family = declaration["title"]
         properties.add(obj, declaration)
-        text = tr("thickness of the masonry; 0 shows the intrados alone")
+        text = translate("VaultCad", "thickness of the masonry; 0 shows the intrados alone")
         obj.addProperty("App::PropertyLength", "Thickness", "Masonry", text)
-        text = tr("component that each face shows: Face1, Face2, ...")
+        text = translate("VaultCad", "component that each face shows: Face1, Face2, ...")
         obj.addProperty("App::PropertyStringList", "FaceNames", "Masonry", text)
         for kind, name, text in INNER:
             obj.addProperty(kind, name, "Inner", text)
@@ -88,7 +88,7 @@ class Vault:
                 if not obj.Built or obj.ExpressionEngine:
                     raise RuntimeError(f"{obj.Label}: {error}") from None
                 self._restore(obj)
-                complain(f"{obj.Label}: {error}; {tr('the last good value is back')}")
+                complain(f"{obj.Label}: {error}; " + translate("VaultCad", "the last good value is back"))
                 return
             except GoneError as error:
                 complain(f"{obj.Label}: {error}")
