@@ -33,9 +33,8 @@ def run(chosen: argparse.Namespace) -> None:
             empty, full = (_process({"NUMBA_CACHE_DIR": cache}, "first", normals) for _ in range(2))
         for name, took in (("empty", empty), ("full", full)):
             compiling = took["first"] - full["second"]
-            print(
-                f"{normals:9} {name:6} {took['import']:7.2f} {took['first']:6.2f} {took['second']:6.2f} {compiling:9.2f}"
-            )
+            seconds = f"{took['import']:7.2f} {took['first']:6.2f} {took['second']:6.2f} {compiling:9.2f}"
+            print(f"{normals:9} {name:6} {seconds}")
     print(f"\ntrough of {chosen.large:,} points, float32, normals estimated, after a first call")
     took = _process({}, "large", str(chosen.large))
     print(f"{took['seconds']:.2f} s; {took['bytes']:.1f} bytes a point beyond the cloud; least IoU {took['iou']:.4f}")

@@ -76,14 +76,13 @@ def _sides(cloud: WorkingCloud, labels: Ints, shapes: Shapes) -> Floats:
     """On which side of primitive b the points of a lie, (k, k), from cells near both."""
     side = np.zeros((len(shapes), len(shapes)))
     distance = gaps(shapes, cloud.mean)
-    reach = 6.0 * cloud.size
+    distance[np.abs(distance) >= 6.0 * cloud.size] = 0.0
     for a in range(len(shapes)):
-        mine = labels == a
-        for b in range(len(shapes)):
-            near = distance[b, mine & (np.abs(distance[b]) < reach)]
-            if a != b and len(near):
-                positive = float((np.sign(near) * np.abs(near)).sum() / np.abs(near).sum())
-                side[a, b] = math.copysign(1.0, positive) if abs(positive) > 2.0 * ONE_SIDED - 1.0 else 0.0
+        theirs = distance[:, labels == a]
+        total = np.abs(theirs).sum(axis=1)
+        positive = theirs.sum(axis=1) / np.where(total > 0.0, total, 1.0)
+        side[a] = np.where(np.abs(positive) > 2.0 * ONE_SIDED - 1.0, np.sign(positive), 0.0)
+    np.fill_diagonal(side, 0.0)
     return side
 
 

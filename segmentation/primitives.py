@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from segmentation import primitives_numeric as numeric
 from segmentation.primitives_sample import MINIMAL_SETS
-from segmentation.refine import least_squares
+from segmentation.refine import Samples, least_squares
 
 Vector = tuple[float, float, float]
 Floats = NDArray[np.float64]
@@ -77,9 +77,8 @@ class Primitive(ABC):
             raise ValueError(f"weights have shape {weight.shape}, the points ask for ({len(points)},)")
         if not size[0] <= size[1]:
             raise ValueError(f"size interval [{size[0]:g}, {size[1]:g}] is empty")
-        fitted = least_squares(
-            np.array([self.kind]), self.row[None], points, weight[None], np.array([size]), iterations=100
-        )
+        samples = Samples(points, np.zeros(len(points), dtype=np.int64), weight)
+        fitted = least_squares(np.array([self.kind]), self.row[None], samples, np.array([size]), iterations=100)
         return type(self).from_row(fitted[0])
 
 

@@ -72,27 +72,95 @@ def gradient(kind: int, row: Floats, x: float, y: float, z: float) -> tuple[floa
 
 
 @njit(cache=True, nogil=True)
-def residuals(
+def distances(kinds: NDArray[np.int64], rows: Floats, xyz: Floats, out: Floats, start: int, stop: int) -> None:
+    """Signed distances (k, n) [m] of points (n, 3) to k primitives, of the points from `start` to `stop`."""
+    for k in range(len(kinds)):
+        for i in range(start, stop):
+            out[k, i] = gradient(kinds[k], rows[k], xyz[i, 0], xyz[i, 1], xyz[i, 2])[0]
+
+
+@njit(cache=True, nogil=True)
+def supports(
     kinds: NDArray[np.int64],
     rows: Floats,
     xyz: Floats,
     normals: Floats,
-    distance: Floats,
-    cosine: Floats,
+    epsilon: float,
+    cos_alpha: float,
+    out: Floats,
     start: int,
     stop: int,
 ) -> None:
-    """Signed distances (k, n) [m] of points (n, 3) to k primitives, and |cos| (k, n) between the normals of both.
+    """How well each primitive explains each point (k, n): 1 within epsilon / 2, falling to 0 at epsilon; 0 beyond
+    alpha.
 
-    Only of the points from `start` to `stop`, so that threads share the work. With normals (0, 3) only distances are
-    written. A normal that is NaN gives a NaN cosine.
+    A normal that is NaN is always right.
     """
     for k in range(len(kinds)):
         for i in range(start, stop):
             d, a, b, c = gradient(kinds[k], rows[k], xyz[i, 0], xyz[i, 1], xyz[i, 2])
-            distance[k, i] = d
-            if len(normals) > 0:
-                cosine[k, i] = abs(a * normals[i, 0] + b * normals[i, 1] + c * normals[i, 2])
+            cosine = abs(a * normals[i, 0] + b * normals[i, 1] + c * normals[i, 2])
+            share = 0.0 if cosine < cos_alpha else 2.0 - 2.0 * abs(d) / epsilon
+            out[k, i] = min(max(share, 0.0), 1.0)
+
+
+@njit(cache=True, nogil=True)
+def tukey(
+    kinds: NDArray[np.int64],
+    rows: Floats,
+    xyz: Floats,
+    normals: Floats,
+    owner: NDArray[np.int64],
+    epsilon: float,
+    cos_alpha: float,
+    out: Floats,
+) -> None:
+    """Weights (t,) of points (t, 3) for the primitives `owner` (t,): Tukey's biweight of the distance; 0 beyond
+    alpha.
+    """
+    for i in range(len(owner)):
+        k = owner[i]
+        d, a, b, c = gradient(kinds[k], rows[k], xyz[i, 0], xyz[i, 1], xyz[i, 2])
+        cosine = abs(a * normals[i, 0] + b * normals[i, 1] + c * normals[i, 2])
+        near = 0.0 if cosine < cos_alpha else max(1.0 - (d / epsilon) ** 2, 0.0)
+        out[i] = near * near
+
+
+@njit(cache=True, nogil=True)
+def compete(
+    kinds: NDArray[np.int64],
+    rows: Floats,
+    xyz: Floats,
+    normals: Floats,
+    epsilon: float,
+    cos_alpha: float,
+    normal_price: float,
+    winner: NDArray[np.int64],
+    own: Floats,
+    rival: Floats,
+    start: int,
+    stop: int,
+) -> None:
+    """The cheapest primitive (n,) of each point, -1 where none is within epsilon and alpha, its price and the next
+    one's.
+
+    A price is the squared distance over epsilon, plus `normal_price` for a normal that deviates by alpha; inf without
+    one.
+    """
+    for i in range(start, stop):
+        winner[i], own[i], rival[i] = -1, math.inf, math.inf
+        for k in range(len(kinds)):
+            d, a, b, c = gradient(kinds[k], rows[k], xyz[i, 0], xyz[i, 1], xyz[i, 2])
+            cosine = abs(a * normals[i, 0] + b * normals[i, 1] + c * normals[i, 2])
+            if not abs(d) <= epsilon or cosine < cos_alpha:
+                continue
+            price = (d / epsilon) ** 2
+            if cosine < 1.0:
+                price += normal_price * (1.0 - cosine) / (1.0 - cos_alpha)
+            if price < own[i]:
+                winner[i], own[i], rival[i] = k, price, own[i]
+            elif price < rival[i]:
+                rival[i] = price
 
 
 @njit(cache=True, nogil=True)

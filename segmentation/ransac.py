@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from segmentation.labelling import label_points, regions
 from segmentation.primitives import PRIMITIVES, Primitive
+from segmentation.ransac_choice import select
 from segmentation.ransac_cloud import WorkingCloud, working_cloud
-from segmentation.ransac_joint import cost, refine_jointly, select, winners
+from segmentation.ransac_joint import refine_jointly
 from segmentation.ransac_labels import sharpened
-from segmentation.ransac_search import DRAWS, EMPTY, Shapes, draws_needed, gaps, search_round
+from segmentation.ransac_search import DRAWS, EMPTY, Shapes, draws_needed, gaps, search_round, won
 from segmentation.settings import Settings
 from segmentation.split import split
 
@@ -24,7 +25,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Progress = Callable[[str, int], None]
 
-ROUNDS = 60
+ROUNDS = 32  # of search; a vault takes two to six, a wavy surface that is no primitive as many as it gets
+FUTILE = 4  # rounds in succession whose primitives do not stand up to the others: what is left has none
 
 
 @dataclass(frozen=True)
@@ -104,10 +106,12 @@ def _find(cloud: WorkingCloud, settings: Settings, rng: np.random.Generator, tel
     and choice.
     """
     shapes, price = Shapes(*EMPTY), cloud.price
-    active, draws = np.arange(len(cloud)), 0
+    active, draws, futile = np.arange(len(cloud)), 0, 0
     for _ in range(ROUNDS):
-        if len(active) < max(price, 4.0) or draws > draws_needed(
-            2.0 * price / len(active), settings.overlooking_probability
+        if (
+            len(active) < max(price, 4.0)
+            or futile >= FUTILE
+            or draws > draws_needed(2.0 * price / len(active), settings.overlooking_probability)
         ):
             break
         draws += DRAWS
@@ -118,8 +122,10 @@ def _find(cloud: WorkingCloud, settings: Settings, rng: np.random.Generator, tel
         trial = select(trial, cloud, cloud.epsilon, price, settings)
         left = _unexplained(trial, cloud, settings)
         if len(left) + price * len(trial) < len(active) + price * len(shapes):
-            shapes, active, draws = trial, left, 0
+            shapes, active, draws, futile = trial, left, 0, 0
             tell("search", len(shapes))
+        else:
+            futile += 1
     shapes, _ = refine_jointly(shapes, cloud.mean, cloud.normal, cloud.epsilon, settings)
     return select(shapes, cloud, cloud.epsilon, price, settings)
 
@@ -130,8 +136,7 @@ def _unexplained(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> Int
     """
     if len(shapes) == 0:
         return np.arange(len(cloud))
-    price = cost(shapes, cloud.mean, cloud.normal, cloud.epsilon, math.cos(settings.alpha))
-    label = winners(price)
+    label = won(shapes, cloud.mean, cloud.normal, cloud.epsilon, math.cos(settings.alpha)).labels
     distance = gaps(shapes, cloud.mean)
     beside = np.flatnonzero((label[cloud.tail] < 0) & (label[cloud.head] >= 0))
     tail, owner = cloud.tail[beside], label[cloud.head[beside]]

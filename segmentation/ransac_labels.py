@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.ransac_cloud import WorkingCloud
-from segmentation.ransac_joint import cost, refine_jointly, winners
-from segmentation.ransac_search import Shapes, gaps, support
+from segmentation.ransac_joint import refine_jointly
+from segmentation.ransac_search import Shapes, gaps, support, won
 from segmentation.settings import Settings
 from segmentation.split import connected
 
@@ -31,12 +31,12 @@ def sharpened(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> tuple[
             break
         epsilon = narrower
         shapes, _ = refine_jointly(shapes, cloud.raw, cloud.normal, epsilon, settings)
-        labels = winners(cost(shapes, cloud.raw, cloud.normal, cloud.epsilon, math.cos(settings.alpha)))
+        labels = won(shapes, cloud.raw, cloud.normal, cloud.epsilon, math.cos(settings.alpha)).labels
     if len(shapes) == 0:
         return shapes, labels, 0.0
     noise = _noise(shapes, labels, cloud)
     judges = cloud.mean if noise > COARSE * cloud.size else cloud.raw
-    labels = winners(cost(shapes, judges, cloud.normal, cloud.epsilon, math.cos(settings.alpha)))
+    labels = won(shapes, judges, cloud.normal, cloud.epsilon, math.cos(settings.alpha)).labels
     labels = _settled(shapes, labels, cloud, judges, epsilon)
     return shapes, _absorbed(shapes, labels, cloud, epsilon, settings), noise
 

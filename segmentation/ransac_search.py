@@ -7,16 +7,18 @@ the order of what each adds. Source: Schnabel, Wahl and Klein 2007; local optimi
 
 import math
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from segmentation.primitives_numeric import residuals
+from segmentation import primitives_numeric as numeric
 from segmentation.primitives_sample import MINIMAL_SETS
 from segmentation.ransac_cloud import WorkingCloud
-from segmentation.refine import least_squares
+from segmentation.refine import Samples, least_squares
 from segmentation.settings import Settings
 
 Floats = NDArray[np.float64]
@@ -26,7 +28,8 @@ DRAWS = 384  # minimal sets of each kind in a round
 FIRST, SECOND = 256, 1024  # unexplained points that the lazy scores look at
 JUDGES = 8000  # cells that the polished ones are judged on
 FINALISTS = 12  # hypotheses of a round that are polished
-SHARED = 20_000  # distances above which threads share the work
+SHARED = 200_000  # distances above which threads share the work: some milliseconds
+NORMAL_PRICE = 0.25  # what a deviation of alpha costs beside a distance of epsilon, which costs 1
 LOCAL_SUCCESS = 0.1  # share of localised sets on one primitive whose points do lie on it alone
 EMPTY = (np.empty(0, dtype=np.int64), np.empty((0, 8)))
 
@@ -50,36 +53,54 @@ class Shapes:
         return Shapes(np.concatenate((self.kinds, other.kinds)), np.concatenate((self.rows, other.rows)))
 
 
-def measure(shapes: Shapes, xyz: Floats, normals: Floats) -> tuple[Floats, Floats]:
-    """Signed distances (k, n) [m] and |cos| (k, n) of the angles between normals; NaN cosines count as right."""
-    distance, cosine = np.empty((len(shapes), len(xyz))), np.empty((len(shapes), len(normals)))
-    cores = (os.cpu_count() or 1) if distance.size > SHARED else 1
-    edges = [len(xyz) * i // cores for i in range(cores + 1)]
-
-    def work(start: int, stop: int) -> None:
-        residuals(shapes.kinds, shapes.rows, xyz, normals, distance, cosine, start, stop)
-
+def _shared(points: int, size: int, work: Callable[[int, int], None]) -> None:
+    """`work(start, stop)` over all points, by threads if so many distances are worth it."""
+    cores = (os.cpu_count() or 1) if size > SHARED else 1
     if cores == 1:
-        work(0, len(xyz))
-    else:
-        with ThreadPoolExecutor(cores) as pool:
-            list(pool.map(work, edges[:-1], edges[1:]))
-    cosine[np.isnan(cosine)] = 1.0
-    return distance, cosine
+        work(0, points)
+        return
+    edges = [points * i // cores for i in range(cores + 1)]
+    with ThreadPoolExecutor(cores) as pool:
+        list(pool.map(work, edges[:-1], edges[1:]))
 
 
 def gaps(shapes: Shapes, xyz: Floats) -> Floats:
-    """Signed distances (k, n) [m] alone."""
-    return measure(shapes, xyz, np.empty((0, 3)))[0]
+    """Signed distances (k, n) [m] of points (n, 3)."""
+    out = np.empty((len(shapes), len(xyz)))
+    _shared(len(xyz), out.size, lambda i, j: numeric.distances(shapes.kinds, shapes.rows, xyz, out, i, j))
+    return out
 
 
 def support(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, cos_alpha: float) -> Floats:
-    """How well each primitive explains each point, (k, n) in [0, 1]: 1 within epsilon / 2, falling to 0 at epsilon, 0
-    beyond alpha.
-    """
-    distance, cosine = measure(shapes, xyz, normals)
-    share = np.clip(2.0 - 2.0 * np.abs(distance) / epsilon, 0.0, 1.0)
-    return np.where(cosine >= cos_alpha, share, 0.0)
+    """How well each primitive explains each point, (k, n) in [0, 1], as `primitives_numeric.supports` tells."""
+    out = np.empty((len(shapes), len(xyz)))
+
+    def work(start: int, stop: int) -> None:
+        numeric.supports(shapes.kinds, shapes.rows, xyz, normals, epsilon, cos_alpha, out, start, stop)
+
+    _shared(len(xyz), out.size, work)
+    return out
+
+
+class Won(NamedTuple):
+    """Of each point the primitive that wins it (n,), -1 for none, its price and the price of the second (n,)."""
+
+    labels: Ints
+    price: Floats
+    rival: Floats
+
+
+def won(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, cos_alpha: float) -> Won:
+    """All primitives compete for each point by distance and normal, as `primitives_numeric.compete` tells."""
+    found = Won(np.empty(len(xyz), dtype=np.int64), np.empty(len(xyz)), np.empty(len(xyz)))
+
+    def work(start: int, stop: int) -> None:
+        numeric.compete(
+            shapes.kinds, shapes.rows, xyz, normals, epsilon, cos_alpha, NORMAL_PRICE, *found, start, stop
+        )  # fmt: skip
+
+    _shared(len(xyz), len(xyz) * len(shapes), work)
+    return found
 
 
 def spread(count: int, wanted: int) -> Ints:
@@ -111,7 +132,7 @@ def search_round(
     hypotheses = hypotheses.take(np.argsort(-total, kind="stable")[: len(hypotheses) // 4 + 1])
     share = support(hypotheses, xyz[many], normals[many], epsilon, cos_alpha)
     finalists = hypotheses.take(greedy(share, 1.0, FINALISTS))
-    finalists = polish(finalists, xyz[many], normals[many], epsilon, settings)
+    finalists = polish_on_all(finalists, xyz[many], normals[many], epsilon, settings)
     share = support(finalists, xyz, normals, epsilon, cos_alpha)
     share[~_stand_out(finalists, share, xyz, epsilon)] = 0.0
     return finalists.take(greedy(share, floor, len(finalists)))
@@ -143,14 +164,23 @@ def greedy(share: Floats, floor: float, most: int) -> Ints:
     return np.array(chosen, dtype=np.int64)
 
 
-def polish(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, settings: Settings) -> Shapes:
-    """Robust least squares (Tukey's weights, twice) on points (n, 3) within epsilon and alpha of each primitive."""
+def polish(shapes: Shapes, xyz: Floats, normals: Floats, owner: Ints, epsilon: float, settings: Settings) -> Shapes:
+    """Robust least squares (Tukey's weights, twice) on points (t, 3), each for the primitive `owner` (t,), within
+    epsilon and alpha.
+    """
     sizes, cos_alpha = sizes_of(shapes.kinds, settings), math.cos(settings.alpha)
     for _ in range(2):
-        distance, cosine = measure(shapes, xyz, normals)
-        weights = np.clip(1.0 - (distance / epsilon) ** 2, 0.0, 1.0) ** 2 * (cosine >= cos_alpha)
-        shapes = Shapes(shapes.kinds, least_squares(shapes.kinds, shapes.rows, xyz, weights, sizes, iterations=3))
+        weights = np.empty(len(owner))
+        numeric.tukey(shapes.kinds, shapes.rows, xyz, normals, owner, epsilon, cos_alpha, weights)
+        rows = least_squares(shapes.kinds, shapes.rows, Samples(xyz, owner, weights), sizes, iterations=3)
+        shapes = Shapes(shapes.kinds, rows)
     return shapes
+
+
+def polish_on_all(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, settings: Settings) -> Shapes:
+    """The same where every primitive sees all points (n, 3)."""
+    copies, owner = (len(shapes), 1), np.repeat(np.arange(len(shapes)), len(xyz))
+    return polish(shapes, np.tile(xyz, copies), np.tile(normals, copies), owner, epsilon, settings)
 
 
 def _draw(cloud: WorkingCloud, active: Ints, settings: Settings, rng: np.random.Generator) -> Shapes:

@@ -9,6 +9,7 @@ Cylinders, Cones and Tori".
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -21,29 +22,43 @@ _UNKNOWNS = 8  # translation, rotation, first size, second size
 Ints = NDArray[np.int64]
 
 
+class Samples(NamedTuple):
+    """Points (t, 3) [m] with the primitive that each is for (t,) and its weight there (t,)."""
+
+    xyz: Floats
+    owner: Ints
+    weights: Floats
+
+    def sums(self, values: Floats, count: int) -> Floats:
+        """Weighted sums by primitive, (count,) or (count, 3), of values (t,) or (t, 3)."""
+        if values.ndim == 1:
+            return np.asarray(np.bincount(self.owner, self.weights * values, count), dtype=np.float64)
+        return np.stack([self.sums(column, count) for column in values.T], axis=1)
+
+
 @njit(cache=True, nogil=True)
 def _normal_equations(
     kinds: Ints,
     rows: Floats,
     xyz: Floats,
+    owner: Ints,
     weights: Floats,
+    active: NDArray[np.bool_],
     pivots: Floats,
     scales: Floats,
     matrix: Floats,
     vector: Floats,
     cost: Floats,
 ) -> None:
-    """Lower triangles (k, 8, 8), right sides (k, 8) and weighted sums of squares (k,) [m²], at the rows.
+    """Lower triangles (k, 8, 8), right sides (k, 8) and weighted sums of squares (k,) [m²], at the active rows.
 
     Rotation is about the pivots (k, 3), and angles are in units of 1 / scale (k,), so that every unknown is a length.
     """
     jac = np.zeros(_UNKNOWNS)
-    for k in range(len(kinds)):
-        kind, row, scale = kinds[k], rows[k], scales[k]
-        for i in range(len(xyz)):
-            w = weights[k, i]
-            if w <= 0.0:
-                continue
+    for i in range(len(owner)):
+        w, k = weights[i], owner[i]
+        if w > 0.0 and active[k]:
+            kind, row, scale = kinds[k], rows[k], scales[k]
             d, a, b, c = gradient(kind, row, xyz[i, 0], xyz[i, 1], xyz[i, 2])
             x, y, z = xyz[i, 0] - pivots[k, 0], xyz[i, 1] - pivots[k, 1], xyz[i, 2] - pivots[k, 2]
             jac[0], jac[1], jac[2] = -a, -b, -c
@@ -68,14 +83,14 @@ def _normal_equations(
 
 
 def _assemble(
-    kinds: Ints, rows: Floats, xyz: Floats, weights: Floats, pivots: Floats, scales: Floats
+    kinds: Ints, rows: Floats, samples: Samples, active: NDArray[np.bool_], pivots: Floats, scales: Floats
 ) -> tuple[Floats, Floats, Floats]:
     matrix, vector, cost = (
         np.zeros((len(kinds), _UNKNOWNS, _UNKNOWNS)),
         np.zeros((len(kinds), _UNKNOWNS)),
         np.zeros(len(kinds)),
     )
-    _normal_equations(kinds, rows, xyz, weights, pivots, scales, matrix, vector, cost)
+    _normal_equations(kinds, rows, *samples, active, pivots, scales, matrix, vector, cost)
     return matrix + np.tril(matrix, -1).transpose(0, 2, 1), vector, cost
 
 
@@ -111,47 +126,42 @@ def _move(kinds: Ints, rows: Floats, steps: Floats, pivots: Floats, scales: Floa
     return out
 
 
-def least_squares(
-    kinds: Ints, rows: Floats, xyz: Floats, weights: Floats, sizes: Floats, iterations: int = 10
-) -> Floats:
-    """Rows (k, 8) of the k primitives that fit points (n, 3) [m] best under weights (k, n), from starting rows.
+def least_squares(kinds: Ints, rows: Floats, samples: Samples, sizes: Floats, iterations: int = 10) -> Floats:
+    """Rows (k, 8) of the k primitives that fit their samples best, from starting rows.
 
     `sizes` (k, 2) bounds each first size (radius [m], cone's half angle [rad]), ends included; it holds for the result.
     A start comes back (within its bounds) where no weight is positive or no step lowers its sum of squares.
     """
-    mass = weights.sum(axis=1)
+    count = len(kinds)
+    mass = np.bincount(samples.owner, samples.weights, count)
     safe = np.where(mass > 0.0, mass, 1.0)
-    pivots = (weights @ xyz) / safe[:, None]
-    spread = (weights @ (xyz**2).sum(axis=1)) / safe - (pivots**2).sum(axis=1)
+    pivots = samples.sums(samples.xyz, count) / safe[:, None]
+    spread = samples.sums((samples.xyz**2).sum(axis=1), count) / safe - (pivots**2).sum(axis=1)
     scales = np.sqrt(np.maximum(spread, 1e-12))
-    rows = _slid(kinds, rows, pivots, mass > 0.0)
+    active = mass > 0.0
+    rows = _slid(kinds, rows, pivots, active)
     sized = kinds != PLANE
     rows[sized, 6] = np.clip(rows[sized, 6], sizes[sized, 0], sizes[sized, 1])
-    matrix, vector, cost = _assemble(kinds, rows, xyz, weights, pivots, scales)
-    damping = np.full(len(kinds), 1e-9)
-    active = np.flatnonzero(mass > 0.0)
+    matrix, vector, cost = _assemble(kinds, rows, samples, active, pivots, scales)
+    damping = np.full(count, 1e-9)
     for _ in range(iterations):
-        if len(active) == 0:
+        a = np.flatnonzero(active)
+        if len(a) == 0:
             break
-        a = active
         step = _solve(matrix[a], vector[a], damping[a], np.zeros(len(a), dtype=np.bool_))
         frozen = (rows[a, 6] <= sizes[a, 0]) & (step[:, 6] < 0.0) | (rows[a, 6] >= sizes[a, 1]) & (step[:, 6] > 0.0)
         if frozen.any():
             step = _solve(matrix[a], vector[a], damping[a], frozen)
-        trial = _move(kinds[a], rows[a], step, pivots[a], scales[a], sizes[a])
-        trial_matrix, trial_vector, trial_cost = _assemble(kinds[a], trial, xyz, weights[a], pivots[a], scales[a])
-        better = trial_cost < cost[a]
-        gain = cost[a] - trial_cost
+        trial = rows.copy()
+        trial[a] = _move(kinds[a], rows[a], step, pivots[a], scales[a], sizes[a])
+        trial_matrix, trial_vector, trial_cost = _assemble(kinds, trial, samples, active, pivots, scales)
+        better = trial_cost[a] < cost[a]
+        gain = cost[a] - trial_cost[a]
         b = a[better]
-        rows[b], matrix[b], vector[b], cost[b] = (
-            trial[better],
-            trial_matrix[better],
-            trial_vector[better],
-            trial_cost[better],
-        )
+        rows[b], matrix[b], vector[b], cost[b] = trial[b], trial_matrix[b], trial_vector[b], trial_cost[b]
         damping[a] = np.where(better, np.maximum(damping[a] * 0.1, 1e-12), damping[a] * 100.0)
         still = np.where(better, gain <= 1e-9 * cost[a], damping[a] > 1e3) | (cost[a] <= 1e-24 * mass[a])
-        active = a[~still]
+        active[a[still]] = False
     return rows
 
 
