@@ -14,24 +14,21 @@ Array = NDArray[np.float64]
 CELL = 0.12, 2.5  # m and spacings; edge of the ceiling's cells, at least
 SEEN = 0.25  # share of the widest column that a column must have, else there is a gap in the ceiling
 VALLEY = 0.05  # m; a bay's mean height falls by this on either side, at least
+SLOPE, NEIGHBOURS = 3.5, 3  # steepest ceiling; neighbours that a cell must go on into
 NARROWEST = 1.0  # m, of a bay
-LEAST = 1.5  # m², of the ceiling of a bay
+LEAST = 1.5  # m², of the ceiling over a bay
 GAP = 10.0  # m; how deep a gap counts
-WALL = 3  # cells beyond what hangs over a room that belong to it
+WALL = 2  # cells beyond what hangs over a room that belong to it
 FULL = 0.4  # share of a bay's rectangle that has a ceiling, at least
 
 
 @dataclass(frozen=True)
 class Region:
-    """A rectangle of the plan turned by `yaw` [rad]: its corners `low` and `high` (2,) [m].
-
-    open: (2, 2), by axis and side, whether the next bay follows there without a wall or a gap between.
-    """
+    """A rectangle of the plan turned by `yaw` [rad]: its corners `low` and `high` (2,) [m]."""
 
     yaw: float
     low: Array
     high: Array
-    open: NDArray[np.bool_]
 
     def holds(self, points: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Which points (n, 2 or 3) of the local frame [m] lie in it."""
@@ -60,7 +57,8 @@ class Ceiling:
         Raises:
             NoVaultError: nothing is above the floor.
         """
-        points, normals = above_floor(thin)
+        above = above_floor(thin)
+        points, normals = above.points, above.normals
         yaw = yaw_of(points, normals)
         cell = max(CELL[0], CELL[1] * thin.spacing)
         xy, z = turned(points[:, :2], yaw), points[:, 2]
@@ -75,13 +73,14 @@ class Ceiling:
         count = np.bincount(flat[near], minlength=size)
         level = np.bincount(flat[near], np.abs(normals[near, 2]), minlength=size) / np.maximum(count, 1)
         top[(count == 0) | (level < STEEP)] = np.nan
-        return cls(top.reshape(shape), low, cell, yaw)
+        return cls(_without_specks(top.reshape(shape), cell), low, cell, yaw)
 
     @property
-    def whole(self) -> Region:
-        """All of it."""
+    def room(self) -> Region:
+        """All of it, less the margins that nothing hangs over."""
         high = self.low + np.array(self.height.shape) * self.cell
-        return Region(self.yaw, self.low, high, np.zeros((2, 2), np.bool_))
+        whole = Region(self.yaw, self.low, high)
+        return self._roofed(whole) or whole
 
     def within(self, region: Region) -> Array:
         """The heights (nx, ny) of the cells in a region, a view."""
@@ -103,11 +102,7 @@ class Ceiling:
         axis = int(np.argmax([max((cut.depth for cut in found), default=0.0) for found in cuts]))
         if not cuts[axis]:
             return [region]
-        ends = [
-            _Cut(region.low[axis], 0.0, bool(region.open[axis, 0])),
-            *cuts[axis],
-            _Cut(region.high[axis], 0.0, bool(region.open[axis, 1])),
-        ]
+        ends = [region.low[axis], *(cut.place for cut in cuts[axis]), region.high[axis]]
         pieces = (_between(region, axis, a, b) for a, b in pairwise(ends))
         return [trimmed for piece in pieces if (trimmed := self._roofed(piece)) is not None]
 
@@ -116,16 +111,15 @@ class Ceiling:
         seen = np.isfinite(self.within(region))
         if seen.sum() * self.cell**2 < LEAST:
             return None
-        low, high, open_ = region.low.copy(), region.high.copy(), region.open.copy()
+        low, high = region.low.copy(), region.high.copy()
         for axis in range(2):
             share = seen.mean(axis=1 - axis)
             (columns,) = np.nonzero(share > SEEN * share.max())
             # Walls stand a little beyond what hangs over the room.
             for side, bare in ((0, columns[0]), (1, len(share) - 1 - columns[-1])):
                 if bare > WALL:
-                    open_[axis, side] = False
                     (low, high)[side][axis] += (1, -1)[side] * (bare - WALL) * self.cell
-        trimmed = replace(region, low=low, high=high, open=open_)
+        trimmed = replace(region, low=low, high=high)
         if (high - low).min() < NARROWEST or np.isfinite(self.within(trimmed)).mean() < FULL:
             return None
         return trimmed
@@ -142,12 +136,14 @@ class Ceiling:
         total = np.where(seen, heights, 0.0).sum(axis=1 - axis)
         mean = total / np.maximum(seen.sum(axis=1 - axis), 1)
         profile = np.where(bare, mean[~bare].min() - GAP, mean)
+        (roofed,) = np.nonzero(~bare)
+        first, last = region.low[axis] + roofed[[0, -1]] * self.cell + [0, self.cell]
         # Beyond the region it is higher, so that what lies at its edge is a valley too, and hides no other beside it.
         _, found = find_peaks(-np.pad(profile, 1, constant_values=np.inf), prominence=VALLEY, plateau_size=1)
         out: list[_Cut] = []
         for left, right, depth in zip(found["left_edges"], found["right_edges"], found["prominences"], strict=True):
-            new = _Cut(region.low[axis] + (left + right - 1) / 2 * self.cell, float(depth), bool(depth < GAP))
-            if min(new.place - region.low[axis], region.high[axis] - new.place) < NARROWEST:
+            new = _Cut(region.low[axis] + (left + right - 1) / 2 * self.cell, float(depth))
+            if min(new.place - first, last - new.place) < NARROWEST:
                 continue
             if out and new.place - out[-1].place < NARROWEST:
                 out[-1] = max(out[-1], new, key=lambda cut: cut.depth)
@@ -156,17 +152,29 @@ class Ceiling:
         return out
 
 
+def _without_specks(height: Array, cell: float) -> Array:
+    """Heights (nx, ny) without cells that do not go on into their neighbours, and without what is small."""
+    from scipy.ndimage import label
+
+    padded = np.pad(height, 1, constant_values=np.nan)
+    around = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
+    nx, ny = height.shape
+    alike = [np.abs(padded[i : i + nx, j : j + ny] - height) < SLOPE * cell for i, j in around]
+    found, count = label(np.sum(alike, axis=0) >= NEIGHBOURS, np.ones((3, 3)))
+    size = np.bincount(found.ravel(), minlength=count + 1) * cell**2
+    size[0] = 0.0
+    return np.where(size[found] >= LEAST, height, np.nan)
+
+
 @dataclass(frozen=True)
 class _Cut:
-    """A place along an axis [m], how deep the valley is there [m], and whether the ceiling goes on."""
+    """A place along an axis [m], and how deep the valley is there [m]."""
 
     place: float
     depth: float
-    open: bool
 
 
-def _between(region: Region, axis: int, start: _Cut, end: _Cut) -> Region:
-    low, high, open_ = region.low.copy(), region.high.copy(), region.open.copy()
-    low[axis], high[axis] = start.place, end.place
-    open_[axis] = start.open, end.open
-    return replace(region, low=low, high=high, open=open_)
+def _between(region: Region, axis: int, start: float, end: float) -> Region:
+    low, high = region.low.copy(), region.high.copy()
+    low[axis], high[axis] = start, end
+    return replace(region, low=low, high=high)

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from contextlib import suppress
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from families import Lunette, Vault
+from vaultcad.arches import bay_of, without_arches
 from vaultcad.bays import Ceiling, Region
 from vaultcad.errors import NoVaultError
 from vaultcad.recognise import Hypothesis, count_blocks, recognise
 from vaultcad.refine import Refined, refine
-from vaultcad.site import CHUNK, STEEP, UPRIGHT, Site, Thin, find_site, rectangle, turned
+from vaultcad.site import STEEP, Site, Thin, find_site
 from vaultcad.solve import Placed
 
 Array = NDArray[np.float64]
@@ -26,13 +27,9 @@ EXPLAINED = 0.65  # share of what hangs over the springing that a vault must exp
 ALIGNED = 0.8  # cosine between the normals of scan and model where a point is explained
 FLAT = 0.05  # rise / shorter side of the plan below which a ceiling is no vault
 SURE = 0.9  # share of all that hangs over a region from which on its bays are not tried
-LEVEL = 0.93  # crown of lunettes / crown of their barrel from which on they may be groin vaults in a row
+HIGH = 0.93  # crown of lunettes / crown of their barrel from which on they may be groin vaults in a row
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
 FILLED = 0.4  # share of a bay's plan that its vault must be seen on
-FRONT = 0.7  # m; how far from the valley between two bays the front of the arch between them may stand
-STEP, STRIP = 0.02, 0.25  # m; bins of depth and along the edge where it is looked for
-SOFFIT, LEVEL_SOFFIT, JUMP = 0.1, 0.012, 0.04  # m; least depth of its soffit, how level that is, and the step behind
-FACE = 0.04  # m; how far from its front the points of an arch lie
 
 
 @dataclass(frozen=True)
@@ -59,7 +56,7 @@ def find_vaults(
         NoVaultError: there is none.
     """
     search = _Search(thin, xyz, Ceiling.of(thin), tuple(families), rng)
-    found = search.region(search.ceiling.whole)
+    found = search.region(search.ceiling.room)
     if not found:
         raise search.refusals[0]
     return tuple(found)
@@ -79,7 +76,7 @@ class _Search:
     def region(self, region: Region, *, part: bool = False) -> list[Found]:
         """The vaults over a region."""
         try:
-            one = self._fit_bay(region) if part else self._fit(self.thin, self.xyz)
+            one = self._fit(region, part)
         except NoVaultError as error:
             self.refusals.append(error)
             one = None
@@ -93,8 +90,42 @@ class _Search:
         both = self._explained(bays, region).sum(), self._explained([one], region).sum()
         return bays if both[0] > gain * both[1] else [one]
 
-    def _fit(self, thin: Thin, xyz: NDArray[np.floating]) -> Found:
-        """One vault over all of these points.
+    def _fit(self, region: Region, part: bool) -> Found:
+        """One vault over all of a region, which may be a part of the scan only.
+
+        Raises:
+            NoVaultError: none is near enough to what hangs there, or too little of it is there.
+        """
+        found = self._without_arches(region)
+        vault = found.placed.vault
+        seen = self._explained([found], region).sum() * self.thin.spacing**2
+        if part and seen < FILLED * 4 * vault.plan.half_x * vault.plan.half_y:
+            raise NoVaultError(f"no vault found: {seen:.1f} m² of a {vault.title} are too little of it")
+        return found
+
+    def _without_arches(self, region: Region) -> Found:
+        """One vault over a region, or over what of it lies between arches.
+
+        Raises:
+            NoVaultError: none is near enough to what hangs there.
+        """
+        thin, xyz = bay_of(self.thin, self.xyz, region)
+        inner_thin, inner = without_arches(thin, xyz, region)
+        if len(inner_thin.points) == len(thin.points):
+            return self._one(thin, xyz)
+        found = self._one(inner_thin, xyz[inner.holds(xyz)])
+        plan = found.placed.vault.plan
+        if not (plan.on_wall_x or plan.on_wall_y):
+            return found
+        # A vault that stands on walls has no arches on its sides; lunettes look like them.
+        with suppress(NoVaultError):
+            whole = self._one(thin, xyz)
+            if self._explained([whole], region).sum() > GAIN * self._explained([found], region).sum():
+                return whole
+        return found
+
+    def _one(self, thin: Thin, xyz: NDArray[np.floating]) -> Found:
+        """One vault over all these points, thinned and all of them.
 
         Raises:
             NoVaultError: none is near enough to what hangs there.
@@ -104,19 +135,6 @@ class _Search:
         refined = refine(hypotheses[0], site, count_blocks(site), self.rng)
         found = Found(site, hypotheses, refined, float(np.clip(BAND * refined.scatter, *TOLERANCE)))
         check(found.placed, site, found.tolerance)
-        return found
-
-    def _fit_bay(self, region: Region) -> Found:
-        """One vault over one bay.
-
-        Raises:
-            NoVaultError: none is near enough to what hangs there, or too little of it is there.
-        """
-        found = self._fit(*bay_of(self.thin, self.xyz, region))
-        vault = found.placed.vault
-        seen = self._explained([found], region).sum() * self.thin.spacing**2
-        if seen < FILLED * 4 * vault.plan.half_x * vault.plan.half_y:
-            raise NoVaultError(f"no vault found: {seen:.1f} m² of a {vault.title} are too little of it")
         return found
 
     def _settled(self, one: Found, region: Region) -> bool:
@@ -137,61 +155,13 @@ class _Search:
         return hanging
 
 
-def bay_of(thin: Thin, xyz: NDArray[np.floating], region: Region) -> tuple[Thin, NDArray[np.floating]]:
-    """The points of one bay, thinned and all, without the arches to the next bays and the piers under these."""
-    mine, own = region.holds(thin.points), _within(xyz, region)
-    xy, facing = turned(thin.points[mine, :2], region.yaw), turned(thin.normals[mine, :2], region.yaw)
-    upright = np.abs(thin.normals[mine, 2]) < UPRIGHT
-    walled = rectangle(xy, facing, upright, thin.spacing)[2]
-    low, high = region.low.copy(), region.high.copy()
-    keep = np.ones(len(xy), np.bool_)
-    for axis, side in zip(*np.nonzero(~walled), strict=True):
-        sign, edge = (1.0, low) if side == 0 else (-1.0, high)
-        start = edge[axis]
-        edge[axis] += sign * _front(own, region, axis, side)
-        depth = sign * (xy[:, axis] - start)
-        keep &= ~(upright & (depth > sign * (edge[axis] - start) + FACE) & (depth < FRONT))
-    inner = replace(region, low=low, high=high)
-    keep &= inner.holds(thin.points[mine])
-    return Thin(thin.points[mine][keep], thin.normals[mine][keep], thin.spacing), _within(own, inner)
-
-
-def _within(xyz: NDArray[np.floating], region: Region) -> NDArray[np.floating]:
-    parts = (xyz[k : k + CHUNK] for k in range(0, len(xyz), CHUNK))
-    return np.concatenate([part[region.holds(part)] for part in parts])
-
-
-def _front(xyz: NDArray[np.floating], region: Region, axis: int, side: int) -> float:
-    """How far inside a region's edge [m] the arch to the next bay ends: where the ceiling rises; 0 if nowhere."""
-    xy = turned(xyz[:, :2].astype(np.float64), region.yaw)
-    edge = (region.low, region.high)[side][axis]
-    depth = (1.0, -1.0)[side] * (xy[:, axis] - edge)
-    near = depth < FRONT
-    bins = round(FRONT / STEP)
-    strip = np.floor((xy[near, 1 - axis] - region.low[1 - axis]) / STRIP).astype(np.int64)
-    height = np.full((strip.max(initial=0) + 1, bins), -np.inf)
-    np.maximum.at(height, (strip, np.clip(depth[near] / STEP, 0, bins - 1).astype(np.int64)), xyz[near, 2])
-    height[~np.isfinite(height)] = np.nan
-    if np.isnan(height).all():
-        return 0.0
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of bins without points
-        soffit = np.nanmedian(height[:, : round(SOFFIT / STEP)], axis=1)
-        above = np.nan_to_num(np.nanmedian(height - soffit[:, None], axis=0), nan=0.0)
-    higher = np.flatnonzero(above > JUMP)
-    if not len(higher):
-        return 0.0
-    flat = np.flatnonzero(above[: higher[0]] < LEVEL_SOFFIT)
-    return float((flat[-1] + 1) * STEP) if len(flat) else 0.0
-
-
 def _in_a_row(found: Found) -> bool:
     """Whether a vault with lunettes might be a row of groin vaults."""
     vault = found.placed.vault
     return (
         isinstance(vault, Lunette)
         and vault.count > 1
-        and vault.lunette_springing + vault.lunette_rise > LEVEL * vault.rise
+        and vault.lunette_springing + vault.lunette_rise > HIGH * vault.rise
     )
 
 

@@ -38,6 +38,7 @@ class Site:
     walled: (2, 2) whether a wall stands there, by axis and side. bottom, crown: heights of
     the points kept [m]. spacing: of the points [m].
     ends: (k, 3) where the stone ends in plan on the sides without a wall, put below all other points [m].
+    counts: (n,) how many points of the scan each of the thinned ones stands for.
     """
 
     points: Array
@@ -51,6 +52,7 @@ class Site:
     crown: float
     spacing: float
     ends: Array
+    counts: Array
 
     @property
     def centre(self) -> Array:
@@ -67,11 +69,19 @@ class Site:
 
 @dataclass(frozen=True)
 class Thin:
-    """A scan thinned to `spacing` [m]: points (n, 3) in the cloud's local frame [m] with unit normals (n, 3)."""
+    """A scan thinned to `spacing` [m]: points (n, 3) in the cloud's local frame [m] with unit normals (n, 3).
+
+    counts: (n,) how many points of the scan each stands for.
+    """
 
     points: Array
     normals: Array
+    counts: Array
     spacing: float
+
+    def only(self, mask: NDArray[np.bool_]) -> Thin:
+        """The points of a mask (n,)."""
+        return Thin(self.points[mask], self.normals[mask], self.counts[mask], self.spacing)
 
 
 def survey(cloud: Cloud) -> Site:
@@ -103,12 +113,12 @@ def thin_scan(cloud: Cloud) -> Thin:
     normals = estimate(thinned.xyz)
     # Means round off groins and springings, so the fit gets a point of the scan from each cell.
     points = cloud.xyz[thinned.first].astype(np.float64)
-    good = np.isfinite(normals).all(axis=1)
+    good: NDArray[np.bool_] = np.asarray(np.isfinite(normals).all(axis=1))
     if good.sum() < FEWEST_PLACES:
         raise NoVaultError(
             f"no vault found: {good.sum()} places of the scan have a surface; at least {FEWEST_PLACES} are needed"
         )
-    return Thin(points[good], normals[good].astype(np.float64), voxel)
+    return Thin(points, normals.astype(np.float64), thinned.count.astype(np.float64), voxel).only(good)
 
 
 def find_site(thin: Thin, xyz: NDArray[np.floating]) -> Site:
@@ -117,7 +127,8 @@ def find_site(thin: Thin, xyz: NDArray[np.floating]) -> Site:
     Raises:
         NoVaultError: nothing stands above the floor.
     """
-    points, normals = above_floor(thin)
+    thin = above_floor(thin)
+    points, normals = thin.points, thin.normals
     steep = np.abs(normals[:, 2]) < STEEP
     yaw = yaw_of(points, normals)
     low, high, walled = rectangle(
@@ -127,23 +138,23 @@ def find_site(thin: Thin, xyz: NDArray[np.floating]) -> Site:
     top = points[_inside(turned(points[:, :2], yaw), low, high), 2]
     crown = float(np.quantile(top, 0.998)) if len(top) else float(points[:, 2].max())
     bottom = float(points[:, 2].min())
-    site = Site(points, normals, weights, yaw, low, high, walled, bottom, crown, thin.spacing, np.empty((0, 3)))
+    none, counts = np.empty((0, 3)), thin.counts
+    site = Site(points, normals, weights, yaw, low, high, walled, bottom, crown, thin.spacing, none, counts)
     return site if walled.all() else replace(site, ends=_ends(xyz, site))
 
 
-def above_floor(thin: Thin) -> tuple[Array, Array]:
-    """Points (k, 3) [m] above the floor with their normals (k, 3).
+def above_floor(thin: Thin) -> Thin:
+    """The points above the floor.
 
     Raises:
         NoVaultError: nothing stands above the floor.
     """
-    keep = ~_floor(thin.points, thin.normals)
-    points, normals = thin.points[keep], thin.normals[keep]
-    if len(points) < FEWEST_PLACES or np.ptp(points, axis=0).min() < SMALL:
+    above = thin.only(~_floor(thin.points, thin.normals))
+    if len(above.points) < FEWEST_PLACES or np.ptp(above.points, axis=0).min() < SMALL:
         raise NoVaultError(
             "no vault found: nothing but a floor or a wall is in the scan; scan the whole room under a vault"
         )
-    return points, normals
+    return above
 
 
 def turned(xy: Array, yaw: float) -> Array:
