@@ -1,7 +1,7 @@
 """Ideal masonry vaults: parameters, numeric surfaces, B-Rep and sampling. Knows no scan."""
 
 from families.barrel import Barrel
-from families.catalogue import FAMILIES, family, profile
+from families.catalogue import FAMILIES, family, ideal, profile
 from families.dome import Dome
 from families.groin import Groin
 from families.lunette import Lunette
@@ -34,5 +34,6 @@ __all__ = [
     "Trough",
     "Vault",
     "family",
+    "ideal",
     "profile",
 ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import colorsys
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -11,6 +10,7 @@ from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
 from families.bodies import cut, union, volume
 from families.cells import cuts
+from families.palette import Colour, colour
 from families.parts import Piece, Plan
 from families.reuse import Scene, made
 from families.sewing import faces, inner_points, sewn
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     import build123d
 
 EXTRADOS, SIDE = "extrados", "side"
-GREY = (0.62, 0.6, 0.57)
 OVAL, OVAL_ERROR = 8, 3e-4  # pairs of arcs in a quarter; [m] off ellipses of usual sizes, far below any thickness
 EXACT = 1e-6  # [m]
 
@@ -86,6 +85,13 @@ def _shell(scenes: tuple[Scene, ...]) -> TopoDS_Shape | None:
     return cut(whole, room, volume(whole) - volume(hollow))
 
 
+def room(vault: Vault) -> build123d.Part:
+    """The void as a body [mm], to be cut out of a block."""
+    import build123d
+
+    return _of_stone(build123d.Part(void(vault)), f"void of a {vault.title}")
+
+
 def intrados(vault: Vault) -> build123d.Compound:
     """The surface towards the room [mm]: a child for each component, labelled and coloured, of one or more faces.
 
@@ -93,13 +99,9 @@ def intrados(vault: Vault) -> build123d.Compound:
     """
     import build123d
 
-    named: dict[str, list[TopoDS_Face]] = {}
-    for face, name in face_names(void(vault), vault):
-        named.setdefault(name, []).append(face)
+    named = named_faces(void(vault), vault)
     children = [
-        build123d.Compound(
-            [build123d.Face(face) for face in named[name]], label=name, color=build123d.Color(*colour(vault, name))
-        )
+        build123d.Compound(list(named[name]), label=name, color=named[name][0].color)
         for name in vault.components
         if name in named
     ]
@@ -107,16 +109,26 @@ def intrados(vault: Vault) -> build123d.Compound:
 
 
 def solid(vault: Vault, thickness: float = 0.15) -> build123d.Part:
-    """The masonry [mm] with all radii of the extrados larger by `thickness` [m]; `face_names` tells its faces.
+    """The masonry [mm] with all radii of the extrados larger by `thickness` [m]; `named_faces` tells its faces.
 
     Raises:
         ValueError: the thickness is not above 0.
     """
     import build123d
 
-    part = build123d.Part(masonry(vault, thickness))
-    part.label, part.color = vault.title, build123d.Color(*GREY)
-    return part
+    return _of_stone(build123d.Part(masonry(vault, thickness)), vault.title)
+
+
+def named_faces(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> dict[str, build123d.ShapeList[build123d.Face]]:
+    """The faces of a void, an intrados or a solid by the names of `face_names`, each with its label and colour."""
+    import build123d
+
+    ids = {name: k for k, name in enumerate(vault.components, 1)}
+    found: dict[str, build123d.ShapeList[build123d.Face]] = {}
+    for wrapped, name in face_names(shape, vault):
+        face = build123d.Face(wrapped, label=name, color=_colour(colour(ids.get(name, 0))))
+        found.setdefault(name, build123d.ShapeList()).append(face)
+    return found
 
 
 def face_names(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> list[tuple[TopoDS_Face, str]]:
@@ -137,11 +149,15 @@ def face_names(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> list[tupl
     return [(face, names[k]) for face, k in zip(found, kind, strict=True)]
 
 
-def colour(vault: Vault, name: str) -> tuple[float, float, float]:
-    """Red, green and blue (0 to 1) of a component; hues of neighbours lie far apart. Grey for what is none."""
-    if name not in vault.components:
-        return GREY
-    return colorsys.hsv_to_rgb(0.06 + vault.components.index(name) * 0.618034 % 1.0, 0.5, 0.85)
+def _of_stone(part: build123d.Part, label: str) -> build123d.Part:
+    part.label, part.color = label, _colour(colour(0))
+    return part
+
+
+def _colour(shade: Colour) -> build123d.Color:
+    import build123d
+
+    return build123d.Color(*shade.unit)
 
 
 def _top(pieces: tuple[Piece, ...]) -> float:

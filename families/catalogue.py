@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import unicodedata
+from dataclasses import replace
+from typing import Any
 
 from families.barrel import Barrel
 from families.dome import Dome
 from families.groin import Groin
+from families.lengths import RATIOS, with_lengths
 from families.lunette import Lunette
 from families.mirror import Mirror
 from families.profiles import PROFILES, Profile
@@ -40,6 +43,40 @@ def profile(name: str) -> type[Profile]:
         if _plain(name) in map(_plain, (cls.id, *cls.aliases)):
             return cls
     raise ValueError(f"no profile is called {name!r}; there are {', '.join(c.id for c in PROFILES)}")
+
+
+def ideal(name: str, /, **parameters: Any) -> Vault:
+    """The vault of a family's name and parameters: `ideal("crociera", span_x=6, profile_x="pointed", rise_y=2)`.
+
+    Profiles go by their names in any language or are given as they are, numbers by their flat names [m, rad or 1];
+    lengths that follow from ratios may stand for these (`rise_y`: see `families.lengths`).
+
+    Raises:
+        ValueError: an unknown name, or a value that cannot be.
+    """
+    vault = family(name)()
+    kinds = [field for field, value in vars(vault).items() if isinstance(value, Profile)]
+    arches = {kind: _arch(kind, parameters.pop(kind)) for kind in kinds if kind in parameters}
+    vault, ratios = replace(vault, **arches), RATIOS[vault.id]
+    known = [*kinds, *vault.values(), *ratios]
+    for key, value in parameters.items():
+        if key not in known:
+            raise ValueError(f"a {vault.title} has no {key!r}; it has {', '.join(known)}")
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ValueError(f"{key} = {value!r} is no number")
+        if ratios.get(key) in parameters:
+            raise ValueError(f"{key} and {ratios[key]} say the same; leave one out")
+    vault = vault.replaced({key: value for key, value in parameters.items() if key not in ratios})
+    lengths = {key: value for key, value in parameters.items() if key in ratios}
+    return with_lengths(vault, lengths) if lengths else vault
+
+
+def _arch(field: str, kind: object) -> Profile:
+    if isinstance(kind, Profile):
+        return kind
+    if isinstance(kind, str):
+        return profile(kind)()
+    raise ValueError(f"{field} = {kind!r} is no profile; there are {', '.join(c.id for c in PROFILES)}")
 
 
 def _plain(name: str) -> str:

@@ -95,11 +95,26 @@ class Vault(Parametric):
 
         return brep.intrados(self)
 
+    def void(self) -> build123d.Part:
+        """The room under the vault [mm], above the springing and within the plan, to be cut out of a block."""
+        from families import brep
+
+        return brep.room(self)
+
     def solid(self, thickness: float = 0.15) -> build123d.Part:
         """The masonry [mm] between the intrados and an extrados with all radii larger by `thickness` [m]."""
         from families import brep
 
         return brep.solid(self, thickness)
+
+    def named_faces(self, shape: build123d.Shape) -> dict[str, build123d.ShapeList[build123d.Face]]:
+        """The faces of this vault's void or solid, labelled and coloured, by component, "extrados" and "side".
+
+        build123d itself keeps no names of faces: ask here after each time that the body was made or moved back.
+        """
+        from families import brep
+
+        return brep.named_faces(shape, self)
 
     def sample(self, count: int, rng: np.random.Generator) -> Sample:
         """`count` points spread evenly over the intrados, with normals and components."""

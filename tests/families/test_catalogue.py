@@ -1,6 +1,6 @@
 import pytest
 
-from families import FAMILIES, Dome, Groin, Mirror, Sail, Trough, family
+from families import FAMILIES, Dome, Groin, Mirror, Pointed, Sail, Segmental, Trough, family, ideal
 
 
 @pytest.mark.parametrize("cls", FAMILIES)
@@ -38,3 +38,36 @@ def test_an_unknown_name_is_named_with_the_families(name):
     with pytest.raises(ValueError, match=r"sail.*groin.*dome") as error:
         family(name)
     assert repr(name) in str(error.value)
+
+
+@pytest.mark.parametrize("cls", FAMILIES)
+def test_an_ideal_vault_is_made_by_name_and_numbers(cls):
+    vault = cls()
+    numbers = {p.name: vault.values()[p.name] for p in vault.parameters()}
+    assert ideal(next(iter(cls.aliases["it"]))) == vault
+    assert ideal(cls.id, **numbers) == vault
+
+
+def test_an_ideal_vault_takes_profiles_by_any_name_and_lengths_for_ratios():
+    vault = ideal("crociera", span_x=6, profile_x="Spitzbogen", profile_y=Segmental(0.2), rise_y=2)
+    assert vault == Groin(6, 5, Pointed(), Segmental(0.4))
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"span_x": 5000}, r"span_x = 5000 lies outside \[0.5, 40\] m"),
+        ({"span": 5}, "a groin vault has no 'span'; it has profile_x, profile_y, span_x"),
+        ({"span_x": "5"}, "span_x = '5' is no number"),
+        ({"span_x": True}, "span_x = True is no number"),
+        ({"profile_x": 3}, "profile_x = 3 is no profile; there are semicircular"),
+        ({"profile_x": "flat"}, "no profile is called 'flat'"),
+        ({"rise_x": 2}, "rise_x 2: its profile makes it 2.5 m"),
+        ({"profile_x": "segmental", "rise_x": 3}, "rise_x 3: with the other sizes it can be 0.25 to 2.5 m"),
+        ({"profile_x": "segmental", "rise_x": float("nan")}, "rise_x nan: with the other sizes it can be"),
+        ({"profile_x": "segmental", "rise_x": 2, "rise_ratio_x": 0.4}, "say the same"),
+    ],
+)
+def test_what_no_ideal_vault_can_have_is_refused_by_name(given, told):
+    with pytest.raises(ValueError, match=told):
+        ideal("groin", **given)

@@ -9,9 +9,10 @@ from typing import Any
 from typer.core import TyperCommand, TyperGroup
 
 from families import FAMILIES, PROFILES, Profile, Vault, family, profile
+from families.lengths import RATIOS, with_lengths
 from families.parameters import Parameter
 from vaultcad.cli.errors import InputError, refusing
-from vaultcad.cli.lengths import RATIOS, length_options, with_lengths
+from vaultcad.cli.lengths import length_options
 from vaultcad.cli.options import Option, flag, number, read, single, span, with_options
 
 PANEL = "The vault"
@@ -79,7 +80,11 @@ def vault_of(cls: type[Vault], declared: Mapping[str, Any]) -> Vault:
     for name, ratio in RATIOS[cls.id].items():
         if name in lengths and ratio in declared:
             raise InputError(f"{flag(name)} and {flag(ratio)} say the same; leave one out")
-    return with_lengths(vault.replaced(values), lengths) if lengths else vault.replaced(values)
+    vault = vault.replaced(values)
+    if lengths:
+        with refusing():
+            return with_lengths(vault, lengths, called=flag)
+    return vault
 
 
 def _profile_fields(vault: Vault) -> list[str]:

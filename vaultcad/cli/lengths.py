@@ -1,36 +1,12 @@
-"""Lengths that people measure, in place of the ratios that a family is declared with."""
+"""An option for each length that people measure, in place of the ratio that a family is declared with."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from families import Vault
+from families.lengths import RATIOS
 from families.parameters import derived_declarations
-from vaultcad.cli.errors import InputError
 from vaultcad.cli.options import Bounds, Option, flag, read
 
-RATIOS: dict[str, dict[str, str]] = {
-    "sail": {"rise": "rise_ratio"},
-    "barrel": {"rise": "rise_ratio"},
-    "lunette": {
-        "rise": "rise_ratio",
-        "pitch": "pitch_ratio",
-        "shift": "shift_ratio",
-        "lunette_span": "width_ratio",
-        "lunette_springing": "springing_ratio",
-    },
-    "trough": {"rise": "rise_ratio", "south_run": "south_ratio", "north_run": "north_ratio"},
-    "mirror": {"run_x": "run_x_ratio", "run_y": "run_y_ratio", "cove_rise": "rise_ratio", "rise": "plane_ratio"},
-    "groin": {
-        "rise_x": "rise_ratio_x",
-        "rise_y": "rise_ratio_y",
-        "crown_rise": "crown_rise_ratio",
-        "offset_x": "offset_x_ratio",
-        "offset_y": "offset_y_ratio",
-    },
-    "dome": {"dome_rise": "rise_ratio", "drum_height": "drum_ratio", "pendentive_radius": "pendentive_ratio"},
-}
-"""Family -> derived length -> the one parameter that it decides, in the order in which they hang on each other."""
 LONGEST = 1000.0  # m, so that what is no length is told at once
 
 
@@ -44,33 +20,3 @@ def length_options(cls: type[Vault], panel: str) -> list[Option]:
         return Option(name, float, text, "M", panel, lambda text: read(text, name, limits))
 
     return [option(name, ratio) for name, ratio in RATIOS[cls.id].items()]
-
-
-def with_lengths(vault: Vault, lengths: Mapping[str, float]) -> Vault:
-    """The vault with its lengths [m] made as given; each is monotonic in the parameter that it decides.
-
-    Raises:
-        InputError: a length cannot be had with the other parameters, or its profile leaves it no choice.
-    """
-    from scipy.optimize import brentq
-
-    for name, ratio in RATIOS[vault.id].items():
-        if name not in lengths:
-            continue
-        wanted, limits = lengths[name], {p.name: p.range for p in vault.parameters()}
-        if ratio not in limits:
-            fixed = vault.derived_values()[name]
-            raise InputError(
-                f"{flag(name)} {wanted:g}: its profile makes it {fixed:g} m; choose one that has a rise ratio"
-            )
-
-        def miss(value: float, vault: Vault = vault, name: str = name, ratio: str = ratio) -> float:
-            return vault.replaced({ratio: value}).derived_values()[name] - lengths[name]
-
-        low, high = limits[ratio].low, limits[ratio].high
-        ends = miss(low), miss(high)
-        if ends[0] * ends[1] > 0:
-            least, most = sorted(wanted + end for end in ends)
-            raise InputError(f"{flag(name)} {wanted:g}: with the other sizes it can be {least:.6g} to {most:.6g} m")
-        vault = vault.replaced({ratio: brentq(miss, low, high, xtol=1e-13)})
-    return vault

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from families import FAMILIES, PROFILES, Pointed, family
+from families.lengths import RATIOS, with_lengths
 from families.parameters import Range
 from segmentation import read
 from segmentation.io.labels import read_labels
 from vaultcad.cli.errors import InputError
 from vaultcad.cli.family import vault_of
-from vaultcad.cli.lengths import RATIOS, with_lengths
 from vaultcad.cli.options import read as read_number
 
 
