@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Annotated, ClassVar
 
+from families.constraints import Constraint
 from families.parameters import Range, derived
 from families.parts import Ball, Lid, Piece, Plan, Turned
 from families.profiles import Profile, Semicircular
@@ -31,6 +32,10 @@ class Dome(Vault):
         "de": ("kuppel", "pendentifkuppel", "tambourkuppel"),
         "es": ("cúpula", "media naranja", "cúpula sobre pechinas"),
     }
+    constraints: ClassVar[tuple[Constraint, ...]] = (
+        Constraint("upright-pendentives", "the pendentives spring vertically, R = r √2", {"pendentive_ratio": 0.0}),
+        Constraint("no-drum", "the dome stands on the pendentives", {"drum_ratio": 0.0}),
+    )
 
     radius: Annotated[float, Range(0.5, 30, "m", "radius of drum and dome, half the side of the square")] = 3.0
     profile: Profile = Semicircular()

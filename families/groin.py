@@ -5,11 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from families.constraints import Constraint
 from families.parameters import Range, derived
 from families.parts import Barrel as BarrelPart
 from families.parts import Direction, Piece, Plan
 from families.profiles import Profile, Semicircular
 from families.vault import Vault
+
+
+def _equal_rises(vault: Groin) -> dict[str, float]:
+    """The rise of one barrel by that of the other, where its profile has one to choose."""
+    for name, profile, rise, span in (
+        ("rise_ratio_y", vault.profile_y, vault.rise_x, vault.span_y),
+        ("rise_ratio_x", vault.profile_x, vault.rise_y, vault.span_x),
+    ):
+        ranges = [p.range for p in profile.parameters() if p.name == "rise_ratio"]
+        if ranges:
+            return {name: min(max(rise / span, ranges[0].low), ranges[0].high)}
+    return {}
 
 
 @dataclass(frozen=True)
@@ -28,6 +41,12 @@ class Groin(Vault):
         "de": ("kreuzgratgewölbe", "kreuzgewölbe", "kreuzgrat"),
         "es": ("arista", "bóveda de arista", "crucería"),
     }
+    constraints: ClassVar[tuple[Constraint, ...]] = (
+        Constraint("level-crown", "the crown is as high as the wall arches", {"crown_rise_ratio": 0.0}, rare=True),
+        Constraint("flush-x", "the wall arches in x stand over the springings", {"offset_x_ratio": 0.0}, rare=True),
+        Constraint("flush-y", "the wall arches in y stand over the springings", {"offset_y_ratio": 0.0}, rare=True),
+        Constraint("equal-rises", "both barrels are equally high", follows=_equal_rises),
+    )
 
     span_x: Annotated[float, Range(0.5, 40, "m", "clear width at the springing along x")] = 5.0
     span_y: Annotated[float, Range(0.5, 40, "m", "clear width at the springing along y")] = 5.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from families.constraints import Constraint
 from families.parameters import Range, derived
 from families.parts import Barrel as BarrelPart
 from families.parts import Piece, Plan
@@ -28,6 +29,13 @@ class Lunette(Vault):
         "de": ("stichkappentonne", "tonne mit stichkappen", "stichkappen"),
         "es": ("lunetos", "bóveda de lunetos", "cañón con lunetos"),
     }
+    constraints: ClassVar[tuple[Constraint, ...]] = (
+        Constraint(
+            "centred-row", "the row of lunettes is in the middle of the length", {"shift_ratio": 0.0}, rare=True
+        ),
+        Constraint("even-row", "the lunettes share the length evenly", {"pitch_ratio": 1.0}),
+        Constraint("common-springing", "the lunettes spring with the barrel", {"springing_ratio": 0.0}),
+    )
 
     span: Annotated[float, Range(0.5, 40, "m", "clear width at the springing, across the axis")] = 5.0
     length: Annotated[float, Range(0.5, 100, "m", "extent along the axis")] = 9.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from families.constraints import Constraint
 from families.parameters import Range, derived
 from families.parts import Barrel as BarrelPart
 from families.parts import Ceiling, Piece, Plan
@@ -12,6 +13,11 @@ from families.profiles import circle_through, segmental
 from families.vault import Vault
 
 SIDES = (("south", "y", -1), ("north", "y", 1), ("west", "x", -1), ("east", "x", 1))
+
+
+def _equal_coves(vault: Mirror) -> dict[str, float]:
+    """The run of the coves in y by that in x, or as near as can be."""
+    return {"run_y_ratio": min(max(vault.run_x / (vault.span_y / 2), 0.1), 1.0)}
 
 
 @dataclass(frozen=True)
@@ -31,6 +37,11 @@ class Mirror(Vault):
         "de": ("spiegelgewölbe",),
         "es": ("espejo", "bóveda de espejo", "artesa"),
     }
+    constraints: ClassVar[tuple[Constraint, ...]] = (
+        Constraint("tangent-plane", "the plane touches the coves where they are level", {"plane_ratio": 1.0}),
+        Constraint("quarter-coves", "the coves spring vertically, R = S = H", {"rise_ratio": 1.0}),
+        Constraint("equal-coves", "all coves have the same run", follows=_equal_coves),
+    )
 
     span_x: Annotated[float, Range(0.5, 40, "m", "clear width at the springing along x")] = 5.0
     span_y: Annotated[float, Range(0.5, 100, "m", "clear width at the springing along y")] = 7.0

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import hypot
 from typing import Annotated, ClassVar
 
+from families.constraints import Constraint
 from families.parameters import Range, derived
 from families.parts import Ball, Piece, Plan
 from families.profiles import circle_through
@@ -24,6 +25,9 @@ class Sail(Vault):
         "de": ("hängekuppel", "böhmische kappe", "stutzkuppel"),
         "es": ("bóveda vaída", "vaída", "baída"),
     }
+    constraints: ClassVar[tuple[Constraint, ...]] = (
+        Constraint("hemisphere", "the sphere's centre lies on the springing", {"rise_ratio": 1.0}),
+    )
 
     span_x: Annotated[float, Range(0.5, 40, "m", "clear width of the plan along x")] = 5.0
     span_y: Annotated[float, Range(0.5, 40, "m", "clear width of the plan along y")] = 5.0

@@ -5,11 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from families.constraints import Constraint
 from families.parameters import Range, derived
 from families.parts import Barrel as BarrelPart
 from families.parts import Piece, Plan
 from families.profiles import Profile, Semicircular
 from families.vault import Vault
+
+
+def _equal_heads(vault: Trough) -> dict[str, float]:
+    """The run of one head by that of the other."""
+    return {"north_ratio": vault.south_ratio}
 
 
 @dataclass(frozen=True)
@@ -24,6 +30,10 @@ class Trough(Vault):
         "de": ("muldengewölbe", "klostergewölbe"),
         "es": ("esquifada", "bóveda esquifada", "rincón de claustro"),
     }
+    constraints: ClassVar[tuple[Constraint, ...]] = (
+        Constraint("no-ridge", "the heads meet in one point: a cloister", {"south_ratio": 1.0, "north_ratio": 1.0}),
+        Constraint("equal-heads", "both heads have the same run", follows=_equal_heads),
+    )
 
     span_x: Annotated[float, Range(0.5, 40, "m", "clear width at the springing, across the barrel")] = 5.0
     span_y: Annotated[float, Range(0.5, 100, "m", "clear length at the springing")] = 8.0

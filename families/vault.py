@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from families.constraints import Constraint
 from families.parameters import Parametric
 from families.parts import Piece, Plan
 
@@ -44,6 +45,7 @@ class Vault(Parametric):
     id: ClassVar[str]
     title: ClassVar[str]
     aliases: ClassVar[dict[str, tuple[str, ...]]]  # language code -> names
+    constraints: ClassVar[tuple[Constraint, ...]] = ()  # in the order in which a fit tries them
 
     @property
     @abstractmethod

@@ -10,20 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import FAMILIES, PROFILES, Profile, Vault
+from families.constraints import Constraint
 from vaultcad.errors import NoVaultError
+from vaultcad.evidence import INDEPENDENT, Evidence
+from vaultcad.freedom import NONE, Demands, Freedom
+from vaultcad.identity import is_its_family
 from vaultcad.site import Site
-from vaultcad.solve import Placed, Solution, robust_cost, solve
+from vaultcad.solve import Placed, Solution
 from vaultcad.starts import starts
 
 Array = NDArray[np.float64]
 
-EXTRAS = ("crown_rise_ratio", "offset_x_ratio", "offset_y_ratio", "shift_ratio")  # held at zero unless they pay
-FIRST = 0.02  # such a parameter starts from here
-PAYS = 10.0  # and must lower the score by this much
+FIRST = 0.02  # where a parameter starts from when its constraint is let go
+PAYS = 10.0  # by so much the score must fall for that
 COARSE, MIDDLE, FINE = 0.15, 0.1, 0.05  # m, scales of the loss
-ENDS = 0.06  # share of the evidence that the ends of the stone have where there are no walls
-BELOW = 0.1  # m; a springing lower than this and two points under the lowest point is a guess
-BLOCK = 0.5  # m; settlement makes residuals alike within about this distance, so a block counts once
 FLOOR = 2e-3  # m; below this no scanner tells two models apart
 CLOSE = 1e-3  # share of the cost that a step must still gain
 HOPELESS = 2.5  # a family whose cost is this much above the best one's is not refined
@@ -31,10 +31,14 @@ HOPELESS = 2.5  # a family whose cost is this much above the best one's is not r
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """One family fitted to the site. score: the lower the better; differences are twice those of a log likelihood."""
+    """One family fitted to the site. score: the lower the better; differences are twice those of a log likelihood.
+
+    kept: the constraints that it was fitted under.
+    """
 
     solution: Solution
-    free: tuple[str, ...]
+    free: Freedom
+    kept: tuple[Constraint, ...]
     cost: float
     score: float
 
@@ -44,62 +48,36 @@ class Hypothesis:
         return self.solution.placed.vault
 
 
-@dataclass(frozen=True)
-class Evidence:
-    """Points of a site as many as a stage works with (n, 3) [m], weights (n,), and the lowest springing [m]."""
-
-    points: Array
-    weights: Array
-    lowest: float
-
-    @classmethod
-    def draw(cls, site: Site, count: int, rng: np.random.Generator) -> Evidence:
-        """`count` of the site's points, or all if they are fewer, and the ends of the stone where no walls are."""
-        k = np.sort(rng.permutation(len(site.points))[:count])
-        points, weights = site.points[k], site.weights[k]
-        if len(site.ends):  # they tie the plan to where the stone ends, as walls would
-            tie = np.full(len(site.ends), ENDS * weights.sum() / len(site.ends))
-            points, weights = np.concatenate([points, site.ends]), np.concatenate([weights, tie])
-        return cls(points, weights, site.bottom - BELOW - 2 * site.spacing)
-
-    def cost(self, placed: Placed, scale: float) -> float:
-        """Weighted mean of the robust cost, 0 to 1."""
-        return float(self.weights @ robust_cost(placed.distance(self.points), scale) / self.weights.sum())
-
-    def solve(
-        self, start: Placed, free: tuple[str, ...], scales: tuple[float, ...], *, most: int = 15, gain: float = 1e-7
-    ) -> Solution:
-        """Fit pose and the free parameters, see `vaultcad.solve.solve`."""
-        return solve(start, self.points, self.weights, free, scales, lowest=self.lowest, most=most, gain=gain)
-
-
-def free_parameters(vault: Vault, *, extras: Sequence[str] = ()) -> tuple[str, ...]:
-    """What the optimiser may move: all real parameters, of those that are mostly zero only the `extras` named."""
-    return tuple(p.name for p in vault.parameters() if not p.integer and (p.name not in EXTRAS or p.name in extras))
-
-
 def recognise(
-    site: Site, rng: np.random.Generator, *, families: Iterable[type[Vault]] = FAMILIES
+    site: Site,
+    rng: np.random.Generator,
+    *,
+    families: Iterable[type[Vault]] = FAMILIES,
+    demands: Demands = NONE,
 ) -> tuple[Hypothesis, ...]:
     """Every family's best fit, the most likely first.
 
     Raises:
         NoVaultError: none of the families comes near the points.
     """
-    few, some = Evidence.draw(site, 1500, rng), Evidence.draw(site, 3000, rng)
-    blocks = count_blocks(site)
-    rough = [h for family in families for h in _rough(family, site, few, some)]
+    few, some = (Evidence.draw(site, count, rng, demands) for count in (1500, 3000))
+    rough = [placed for family in families for placed in _rough(family, site, few, some, demands)]
     if not rough:
         raise NoVaultError(
             "no vault found: nothing above the floor has the plan of a vault; scan a whole bay, or crop to it"
         )
-    scale = _scale(min(rough, key=lambda s: some.cost(s.placed, MIDDLE)))
-    least = min(some.cost(s.placed, scale) for s in rough)
+    costs = [some.cost(placed, MIDDLE) for placed in rough]
+    hopeful = [placed for placed, cost in zip(rough, costs, strict=True) if cost <= HOPELESS * min(costs)]
+    telling = Evidence.draw(site, 3000, rng, demands, about=hopeful)
+    scale = _scale(rough[int(np.argmin(costs))], telling)
+    least = min(telling.cost(placed, scale) for placed in rough)
+    judge = _Judge(telling, scale, demands)
     fitted = [
-        (_best_variant if some.cost(s.placed, scale) <= HOPELESS * least else _judge)(s.placed, some, scale, blocks)
-        for s in rough
+        judge.best_variant(placed) if telling.cost(placed, scale) <= HOPELESS * least else judge.of(placed)
+        for placed in rough
     ]
-    return tuple(sorted(fitted, key=lambda h: h.score))
+    proper = [h for h in fitted if is_its_family(h.vault)] or fitted
+    return tuple(sorted(proper, key=lambda h: h.score))
 
 
 def confidence(hypotheses: Sequence[Hypothesis]) -> list[float]:
@@ -109,45 +87,79 @@ def confidence(hypotheses: Sequence[Hypothesis]) -> list[float]:
     return [value / sum(raw) for value in raw]
 
 
-def _rough(family: type[Vault], site: Site, few: Evidence, some: Evidence) -> list[Solution]:
+def _rough(family: type[Vault], site: Site, few: Evidence, some: Evidence, demands: Demands) -> list[Placed]:
     """The best of the three best starts, refined with a wide loss."""
-    grid = list(starts(family, site))
+    grid = list(starts(family, site, demands))
     order = np.argsort([few.cost(placed, COARSE) for placed in grid], kind="stable")[:3]
-    solved = [some.solve(grid[k], free_parameters(grid[k].vault), (0.3, MIDDLE), most=8) for k in order]
-    return [min(solved, key=lambda s: some.cost(s.placed, MIDDLE))] if solved else []
+    solved = []
+    for k in order:
+        free = demands.freedom(grid[k].vault, demands.begun_with(grid[k].vault))
+        solved.append(some.solve(grid[k], free, (0.3, MIDDLE), most=8).placed)
+    return [min(solved, key=lambda placed: some.cost(placed, MIDDLE))] if solved else []
 
 
-def _scale(solution: Solution) -> float:
+def _scale(placed: Placed, evidence: Evidence) -> float:
     """Scale of the loss [m] that tells models apart: a few times what the best of them leaves, within reason."""
-    inliers = np.abs(solution.residuals)[np.abs(solution.residuals) < MIDDLE]
+    residuals = np.abs(placed.distance(evidence.points))
+    inliers = residuals[residuals < MIDDLE]
     return float(np.clip(3 * 1.4826 * np.median(inliers), 0.01, FINE)) if len(inliers) else FINE
 
 
-def _best_variant(placed: Placed, evidence: Evidence, scale: float, blocks: int) -> Hypothesis:
-    """The fit with the most likely kind of profile in each place, and those extras that pay."""
-    best = _best_profiles(_judge(placed, evidence, scale, blocks), (), evidence, scale, blocks)
-    freed: tuple[str, ...] = ()
-    for name in [p.name for p in best.vault.parameters() if p.name in EXTRAS]:
-        start = replace(best.solution.placed, vault=best.vault.replaced({name: FIRST}))
-        trial = _judge(start, evidence, scale, blocks, (*freed, name))
-        if trial.score < best.score - PAYS:
-            best, freed = trial, (*freed, name)
-    return _best_profiles(best, freed, evidence, scale, blocks) if freed else best
+@dataclass(frozen=True)
+class _Judge:
+    """Fits with a narrow loss of `scale` [m] to the evidence, and scores."""
+
+    evidence: Evidence
+    scale: float
+    demands: Demands
+
+    def of(self, placed: Placed, kept: Sequence[Constraint] | None = None) -> Hypothesis:
+        """Fitted, and scored by Schwarz's criterion on the residuals that say something new."""
+        kept = self.demands.begun_with(placed.vault) if kept is None else tuple(kept)
+        free = self.demands.freedom(placed.vault, kept)
+        solution = self.evidence.solve(placed, free, (2 * self.scale, self.scale), most=8, gain=CLOSE)
+        cost = self.evidence.cost(solution.placed, self.scale)
+        integers = sum(p.integer for p in placed.vault.parameters())
+        likelihood = INDEPENDENT * log(cost + (FLOOR / self.scale) ** 2)
+        score = likelihood + (len(free.names) + integers) * log(INDEPENDENT)
+        return Hypothesis(solution, free, tuple(kept), cost, score)
+
+    def best_variant(self, placed: Placed) -> Hypothesis:
+        """The fit with the most likely kind of profile in each place, and with the constraints that cost little."""
+        best = self.best_profiles(self.of(placed))
+        before = best.kept
+        for constraint in self.demands.keepable(best.vault):
+            trial = self.of(*turned_over(best.solution.placed, best.kept, constraint))
+            price = PAYS if constraint.rare else 0.0
+            if trial.score < best.score - price:
+                best = trial
+        return self.best_profiles(best) if best.kept != before else best
+
+    def best_profiles(self, best: Hypothesis) -> Hypothesis:
+        """With each kind of profile in place of its own, place by place."""
+        for name in [name for name in vars(best.vault) if isinstance(getattr(best.vault, name), Profile)]:
+            placed = best.solution.placed
+            old = getattr(placed.vault, name)
+            for kind in PROFILES:
+                new = None if type(old) is kind else _as(kind, old)
+                if new is None:
+                    continue
+                vault = replace(placed.vault, **{name: new})
+                if self.demands.suits(vault):
+                    trial = self.of(replace(placed, vault=self.demands.begun(vault)), best.kept)
+                    best = min(best, trial, key=lambda h: h.score)
+        return best
 
 
-def _best_profiles(
-    best: Hypothesis, extras: tuple[str, ...], evidence: Evidence, scale: float, blocks: int
-) -> Hypothesis:
-    """With each kind of profile in place of its own, place by place."""
-    for name in [name for name in vars(best.vault) if isinstance(getattr(best.vault, name), Profile)]:
-        placed = best.solution.placed
-        old = getattr(placed.vault, name)
-        for kind in PROFILES:
-            new = None if type(old) is kind else _as(kind, old)
-            if new is not None:
-                trial = replace(placed, vault=replace(placed.vault, **{name: new}))
-                best = min(best, _judge(trial, evidence, scale, blocks, extras), key=lambda h: h.score)
-    return best
+def turned_over(
+    placed: Placed, kept: Sequence[Constraint], constraint: Constraint
+) -> tuple[Placed, tuple[Constraint, ...]]:
+    """Where to start from without a constraint that is kept, or with one that is not; and what is then kept."""
+    vault = placed.vault
+    if constraint in kept:
+        off = {name: FIRST for name, value in constraint.values.items() if value == 0}
+        return replace(placed, vault=vault.replaced(off)), tuple(c for c in kept if c != constraint)
+    return replace(placed, vault=vault.replaced(constraint.holds(vault))), (*kept, constraint)
 
 
 def _as(kind: type[Profile], profile: Profile) -> Profile | None:
@@ -159,17 +171,6 @@ def _as(kind: type[Profile], profile: Profile) -> Profile | None:
     return kind.over(0.5) if abs(ratio - 0.5) < 0.1 else None
 
 
-def _judge(placed: Placed, evidence: Evidence, scale: float, blocks: int, extras: tuple[str, ...] = ()) -> Hypothesis:
-    """Fit with a narrow loss, and score by Schwarz's criterion on as many independent residuals as there are blocks."""
-    free = free_parameters(placed.vault, extras=extras)
-    solution = evidence.solve(placed, free, (2 * scale, scale), most=8, gain=CLOSE)
-    cost = evidence.cost(solution.placed, scale)
-    floor = (FLOOR / scale) ** 2
-    integers = sum(p.integer for p in placed.vault.parameters())
-    score = blocks * log(cost + floor) + (len(free) + integers) * log(blocks)
-    return Hypothesis(solution, free, cost, score)
-
-
 def count_blocks(site: Site) -> int:
     """Number of blocks of space that hold points."""
-    return max(20, len(np.unique(np.floor(site.points / BLOCK).astype(np.int64), axis=0)))
+    return 0

@@ -1,40 +1,40 @@
-"""The last fit: the winning family on many points, with what was held at zero freed where it pays."""
+"""The last fit: the winning family on many points, its constraints kept where that costs little."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from math import log
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.recognise import CLOSE, EXTRAS, FIRST, PAYS, Evidence, Hypothesis
+from families.constraints import Constraint
+from vaultcad.evidence import INDEPENDENT, Evidence
+from vaultcad.freedom import NONE, Demands
+from vaultcad.recognise import CLOSE, PAYS, Hypothesis, turned_over
 from vaultcad.site import Site
-from vaultcad.solve import POSE, Placed, Solution
+from vaultcad.solve import Placed, Solution
 
 Array = NDArray[np.float64]
 FEW, POINTS = 5_000, 20_000  # to choose what is free, and to fit that
 LAST = 1e-9  # share of the cost that a step of the last fit must still gain
 TIGHTEST, WIDEST = 0.004, 0.05  # m, limits of the last loss
 FAINT = 1e-4  # of the cost
-PLAIN: tuple[Mapping[str, float], ...] = (  # what a vault is taken for unless the scan says otherwise
-    {"plane_ratio": 1.0},
-    {"pendentive_ratio": 0.0},
-    {"drum_ratio": 0.0},
-    {"south_ratio": 1.0, "north_ratio": 1.0},
-    {"width_ratio": 1.0},
-    {"springing_ratio": 0.0},
-)
+WALLS = 0.03  # weight of a wall's point in the last fit
 
 
 @dataclass(frozen=True)
 class Refined:
-    """The final solution with the points it rests on and the scatter (robust standard deviation) they leave [m]."""
+    """The final solution with the points it rests on and the scatter (robust standard deviation) they leave [m].
+
+    kept: the constraints that hold in it.
+    """
 
     solution: Solution
     points: Array
     scatter: float
+    kept: tuple[Constraint, ...] = ()
 
     @property
     def placed(self) -> Placed:
@@ -42,47 +42,53 @@ class Refined:
         return self.solution.placed
 
 
-def refine(winner: Hypothesis, site: Site, blocks: int, rng: np.random.Generator) -> Refined:
+def refine(
+    winner: Hypothesis, site: Site, blocks: int, rng: np.random.Generator, *, demands: Demands = NONE
+) -> Refined:
     """Fit the winner to up to `POINTS` points of the site, narrowing the loss to the scatter that is left.
 
-    What is mostly zero is freed where that pays, what is nearly plain is made plain where that costs nothing; the
-    price of a parameter is Schwarz's.
+    Constraints that seldom fail are let go where that pays, the others are kept where that costs nothing; the price of
+    a parameter is Schwarz's.
     """
-    evidence = Evidence.draw(site, FEW, rng)
-    best = _fit(winner.solution.placed, winner.free, evidence)
-    for name in [p.name for p in best.placed.vault.parameters() if p.name in EXTRAS and p.name not in winner.free]:
-        start = replace(best.placed, vault=best.placed.vault.replaced({name: FIRST}))
-        trial = _fit(start, (*_freed(best), name), evidence)
-        if blocks * log(_cost(best, evidence, best) / _cost(trial, evidence, best)) > PAYS:
-            best = trial
-    for values in PLAIN:
-        free = _freed(best)
-        if set(values) <= set(free):
-            start = replace(best.placed, vault=best.placed.vault.replaced(values))
-            trial = _fit(start, tuple(name for name in free if name not in values), evidence)
-            if blocks * log(_cost(trial, evidence, best) / _cost(best, evidence, best)) < len(values) * log(blocks):
-                best = trial
-    return _fit(best.placed, _freed(best), Evidence.draw(site, POINTS, rng), gain=LAST)
+    start = winner.solution.placed
+    fit = _Fit(Evidence.draw(site, FEW, rng, demands, about=[start]), demands)
+    best = fit(start, winner.kept)
+    for constraint in demands.keepable(start.vault):
+        trial = fit(*turned_over(best.placed, best.kept, constraint))
+        more, less = (best, trial) if constraint in best.kept else (trial, best)  # constrained
+        saved = len(less.solution.names) - len(more.solution.names)
+        if saved:
+            price = PAYS if constraint.rare else saved * log(INDEPENDENT)
+            best = less if fit.gain(more, less) > price else more
+    # What is reported are the deviations of the vault's points: walls only help, and what is seen well counts more.
+    weights = np.where(site.weights < 1, WALLS, 1.0) * np.sqrt(site.counts)
+    last = _Fit(Evidence.draw(site, POINTS, rng, demands, weights=weights), demands, LAST)
+    return last(best.placed, best.kept)
 
 
-def _freed(refined: Refined) -> tuple[str, ...]:
-    return refined.solution.names[len(POSE) :]
+@dataclass(frozen=True)
+class _Fit:
+    """Fits to one evidence, the loss narrowed to the scatter that is left."""
 
+    evidence: Evidence
+    demands: Demands
+    close: float = CLOSE
 
-def _fit(start: Placed, free: tuple[str, ...], evidence: Evidence, *, gain: float = CLOSE) -> Refined:
-    solution = evidence.solve(start, free, (WIDEST,), gain=gain)
-    for _ in range(3):
-        scale = float(np.clip(4 * _scatter(solution), TIGHTEST, WIDEST))
-        solution = evidence.solve(solution.placed, free, (scale,), gain=gain)
-    return Refined(solution, evidence.points, _scatter(solution))
+    def __call__(self, start: Placed, kept: Sequence[Constraint]) -> Refined:
+        free = self.demands.freedom(start.vault, kept)
+        solution = self.evidence.solve(start, free, (WIDEST,), gain=self.close)
+        for _ in range(3):
+            scale = float(np.clip(4 * _scatter(solution), TIGHTEST, WIDEST))
+            solution = self.evidence.solve(solution.placed, free, (scale,), gain=self.close)
+        return Refined(solution, self.evidence.points, _scatter(solution), tuple(kept))
+
+    def gain(self, worse: Refined, better: Refined) -> float:
+        """How much more likely the second is, in the units of a score."""
+        scale = float(np.clip(4 * better.scatter, TIGHTEST, WIDEST))
+        costs = [self.evidence.cost(one.placed, scale) + FAINT for one in (worse, better)]  # no scan is exact
+        return INDEPENDENT * log(costs[0] / costs[1])
 
 
 def _scatter(solution: Solution) -> float:
     near = np.abs(solution.residuals) < 3 * WIDEST
     return float(1.4826 * np.median(np.abs(solution.residuals[near])))
-
-
-def _cost(refined: Refined, evidence: Evidence, measure: Refined) -> float:
-    """Cost with the loss that suits the scatter of `measure`; never zero, as no scan is exact."""
-    scale = float(np.clip(4 * measure.scatter, TIGHTEST, WIDEST))
-    return evidence.cost(refined.placed, scale) + FAINT

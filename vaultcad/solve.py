@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault, kernel
+from vaultcad.freedom import Freedom
 from vaultcad.model import Pose
 
 Array = NDArray[np.float64]
@@ -61,21 +62,25 @@ def solve(
     start: Placed,
     points: Array,
     weights: Array,
-    free: tuple[str, ...],
+    free: Freedom | tuple[str, ...],
     scales: tuple[float, ...],
     *,
     lowest: float = -np.inf,
     most: int = 15,
     gain: float = 1e-7,
 ) -> Solution:
-    """Fit pose and the `free` parameters to points (n, 3) with weights (n,), the springing not below `lowest` [m].
+    """Fit pose and `free` parameters to points (n, 3) with weights (n,), the springing not below `lowest` [m].
+
+    What is tied follows at every step; parts of the pose that are fixed stay.
 
     Levenberg-Marquardt on iteratively reweighted residuals; the loss narrows through `scales` [m], from one that sees
     far outliers to one that does not (graduated non-convexity, Blake and Zisserman 1987); each ends after `most` steps
     or when a step lowers the cost by less than the share `gain`. Steps are projected on the
     parameters' ranges; an unknown that leans on its bound rests there (Kanzow, Yamashita, Fukushima 2004).
     """
-    names = (*POSE, *free)
+    if not isinstance(free, Freedom):
+        free = Freedom(free)
+    names = (*POSE, *free.names)
     low, high = _bounds(start.vault, free, lowest)
     x = np.clip(_vector(start, free), low, high)
     placed, converged = _placed(start, free, x), False
@@ -119,7 +124,7 @@ def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool
     return np.clip(step, -LONGEST, LONGEST)
 
 
-def _jacobian(start: Placed, free: tuple[str, ...], x: Array, high: Array, points: Array) -> Array:
+def _jacobian(start: Placed, free: Freedom, x: Array, high: Array, points: Array) -> Array:
     """Derivatives (n, k) of the distances: by the pose from the normals, by the parameters from finite differences.
 
     The body that decides a point's distance still does after a small step, so only that one is asked again.
@@ -131,6 +136,7 @@ def _jacobian(start: Placed, free: tuple[str, ...], x: Array, high: Array, point
     jacobian[:, :3] = -normal
     jacobian[:, 3] = normal[:, 0] * (points[:, 1] - x[1]) - normal[:, 1] * (points[:, 0] - x[0])
     here = kernel.to_rows(points, frame, table, plan, rows)
+    jacobian[:, [k for k, name in enumerate(POSE) if name in free.pose]] = 0
     for k in range(len(POSE), len(x)):
         step = STEP if x[k] + STEP <= high[k] else -STEP
         moved = x.copy()
@@ -144,19 +150,22 @@ def _jacobian(start: Placed, free: tuple[str, ...], x: Array, high: Array, point
     return jacobian
 
 
-def _vector(placed: Placed, free: tuple[str, ...]) -> Array:
+def _vector(placed: Placed, free: Freedom) -> Array:
     values = placed.vault.values()
     p = placed.pose
-    return np.array([p.x, p.y, p.z, p.yaw, *(values[name] for name in free)])
+    return np.array([p.x, p.y, p.z, p.yaw, *(values[name] for name in free.names)])
 
 
-def _placed(start: Placed, free: tuple[str, ...], x: Array) -> Placed:
-    vault = start.vault.replaced(dict(zip(free, x[4:].tolist(), strict=True)))
-    return Placed(vault, Pose(*x[:4].tolist()))
+def _placed(start: Placed, free: Freedom, x: Array) -> Placed:
+    vault = free.settled(start.vault, dict(zip(free.names, x[len(POSE) :].tolist(), strict=True)))
+    return Placed(vault, Pose(*x[: len(POSE)].tolist()))
 
 
-def _bounds(vault: Vault, free: tuple[str, ...], lowest: float) -> tuple[Array, Array]:
+def _bounds(vault: Vault, free: Freedom, lowest: float) -> tuple[Array, Array]:
     ranges = {p.name: p.range for p in vault.parameters()}
-    low = [-np.inf, -np.inf, lowest, -np.inf] + [ranges[name].low for name in free]
-    high = [np.inf] * 4 + [ranges[name].high for name in free]
+    low = [-np.inf, -np.inf, lowest, -np.inf] + [ranges[name].low for name in free.names]
+    high = [np.inf] * len(POSE) + [ranges[name].high for name in free.names]
+    for k, name in enumerate(POSE):
+        if name in free.pose:
+            low[k] = high[k] = free.pose[name]
     return np.array(low), np.array(high)

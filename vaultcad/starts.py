@@ -22,6 +22,7 @@ from families import (
     Trough,
     Vault,
 )
+from vaultcad.freedom import NONE, SPRINGING, Demands
 from vaultcad.model import Pose
 from vaultcad.site import Site
 from vaultcad.solve import Placed
@@ -31,15 +32,37 @@ DIRECTED = (Barrel, Lunette, Trough)  # a quarter turn of the others is one of t
 COARSE: tuple[type[Profile], ...] = (Segmental, Elliptical, Pointed)  # the others lie between these
 
 
-def starts(family: type[Vault], site: Site) -> Iterator[Placed]:
-    """Vaults of a family whose plan is the site's and whose crown is at its crown, along either axis if it has one."""
-    lowest = site.bottom - 0.5
-    for quarter in (0, 1) if family in DIRECTED else (0,):
-        spans = site.spans[::-1] if quarter else site.spans
-        for vault, rise in GRIDS[family](float(spans[0]), float(spans[1])):
-            if site.crown - rise >= lowest:
-                x, y = site.centre.tolist()
-                yield Placed(vault, Pose(x, y, site.crown - rise, site.yaw + quarter * pi / 2))
+def starts(family: type[Vault], site: Site, demands: Demands = NONE) -> Iterator[Placed]:
+    """Vaults of a family whose plan is the site's and whose crown is at its crown, along either axis if it has one.
+
+    Sizes that are fixed are as they should be; a yaw that is fixed leaves the one quarter turn that is nearest to it.
+    """
+    lowest = -np.inf if SPRINGING.name in demands.freed else site.bottom - 0.5
+    x, y = site.centre.tolist()
+    for quarter in _quarters(family, site, demands):
+        spans = site.spans[::-1] if quarter % 2 else site.spans
+        for vault, rise in _suited(GRIDS[family](float(spans[0]), float(spans[1])), demands):
+            z = demands.pose.get("z", site.crown - rise)
+            if z >= lowest:
+                yield Placed(vault, Pose(x, y, z, site.yaw + quarter * pi / 2))
+
+
+def _suited(grid: Iterator[tuple[Vault, float]], demands: Demands) -> Iterator[tuple[Vault, float]]:
+    """Vaults of a grid, and their rises [m], that have the sizes that are fixed."""
+    if not demands.sizes:
+        yield from grid
+        return
+    for vault, _ in grid:
+        if demands.suits(vault):
+            begun = demands.begun(vault)
+            yield begun, begun.derived_values()["rise"]
+
+
+def _quarters(family: type[Vault], site: Site, demands: Demands) -> tuple[int, ...]:
+    """Quarter turns of the site's axes to try."""
+    if "yaw" in demands.pose:
+        return (round((demands.pose["yaw"] - site.yaw) / (pi / 2)),)
+    return (0, 1) if family in DIRECTED or demands.sizes else (0,)
 
 
 def _profiles(span: float) -> Iterator[tuple[Profile, float]]:
