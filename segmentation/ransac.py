@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,8 +65,9 @@ def detect(
     """Segment points (n, 3) [m] into components of primitives; unit normals (n, 3) of any sign are estimated where not
     given.
 
-    Points that are not finite get label 0. `progress(stage, shapes)` is told each stage and the primitives found so
-    far.
+    Planes compete even where they are off, or walls would pass as strips of the cylinders that they touch; their points
+    then get label 0, as do those that are not finite. `progress(stage, shapes)` is told each stage and the primitives
+    found so far.
 
     Raises:
         ValueError: xyz is not (n, 3), or normals have another shape. Source: Schnabel, Wahl and Klein 2007.
@@ -75,7 +76,8 @@ def detect(
         raise ValueError(f"xyz has shape {xyz.shape}, expected (n, 3)")
     if normals is not None and normals.shape != xyz.shape:
         raise ValueError(f"normals have shape {normals.shape}, xyz has {xyz.shape}: give one normal a point or none")
-    settings, rng = settings or Settings(), rng or np.random.default_rng(0)
+    wanted, rng = settings or Settings(), rng or np.random.default_rng(0)
+    settings = replace(wanted, primitives=tuple({"plane": None, **dict.fromkeys(wanted.primitives)}))
     tell = progress or (lambda stage, shapes: None)
     tell("thinning", 0)
     cloud = working_cloud(np.ascontiguousarray(xyz), normals, settings)
@@ -88,17 +90,20 @@ def detect(
     tell("labelling", len(shapes))
     found = regions(cloud, labels, components, shapes)
     point_labels, count, square = label_points(xyz, cloud, shapes, found, components, noise)
+    kept = np.isin(shapes.kinds[found.owner], wanted.kinds) if len(shapes) else np.zeros(1, dtype=np.bool_)
+    kept[0] = False
+    number = np.where(kept, np.cumsum(kept), 0).astype(np.uint16)
     segments = tuple(
         Segment(
-            i,
+            int(number[i]),
             PRIMITIVES[shapes.kinds[p]].from_row(shapes.rows[p]),
             int(count[i]),
             math.sqrt(square[i] / max(count[i], 1)),
         )
         for i, p in enumerate(found.owner)
-        if i > 0
+        if kept[i]
     )
-    return Segments(segments, point_labels, cloud.epsilon)
+    return Segments(segments, point_labels if kept[1:].all() else number[point_labels], cloud.epsilon)
 
 
 def _find(cloud: WorkingCloud, settings: Settings, rng: np.random.Generator, tell: Progress) -> Shapes:

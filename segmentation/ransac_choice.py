@@ -12,7 +12,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from segmentation.primitives_numeric import PLANE
 from segmentation.primitives_sample import MINIMAL_SETS
 from segmentation.ransac_cloud import WorkingCloud
 from segmentation.ransac_search import (
@@ -122,7 +121,7 @@ class _Choice:
     def simplified(self, now: _Judged) -> _Judged | None:
         """With a primitive of fewer parameters in place of the first that it explains about as well.
 
-        So a floor is no giant sphere. Where planes are off, what is as well a plane is nothing.
+        So a floor is no giant sphere.
         """
         known = np.isfinite(self.normals).all(axis=1)
         for i, shape in enumerate(now.shapes.kinds):
@@ -130,12 +129,11 @@ class _Choice:
             theirs = np.flatnonzero((now.share[i] > 0.0) & (now.share[i] >= rest) & known)
             before, rest = now.share[i, theirs].sum(), rest[theirs]
             loss = SIMPLER * max(before - rest.sum(), self.price)
-            for kind in (k for k in range(shape) if k in self.settings.kinds or k == PLANE):
+            for kind in (k for k in self.settings.kinds if k < shape):
                 simple = self._drawn(kind, theirs)
                 after = np.maximum(rest, self._support(simple, theirs)).sum(axis=1)
                 if len(simple) and after.max() > before - loss:
-                    best = simple.take(np.array([int(np.argmax(after))] if kind in self.settings.kinds else [], int))
-                    return now.without(i).joined(self.judged(best))
+                    return now.without(i).joined(self.judged(simple.take(np.array([int(np.argmax(after))]))))
         return None
 
     def merged(self, now: _Judged) -> _Judged | None:

@@ -17,6 +17,9 @@ Ints = NDArray[np.int64]
 MARGIN = 2  # cells next to another primitive that are taken away
 GAP = 6.0  # cells between a component and a crumb that belongs to it
 LEAST_CELLS = 10  # of a component; fewer are crumbs at an edge
+NECK = (
+    0.35  # contact of two cores of a primitive over the root of the smaller's cells, from which they are one component
+)
 SMALLEST_CORE = 0.25  # of the minimum support; a smaller core grows out of its neighbours again
 
 
@@ -34,7 +37,7 @@ def split(cloud: WorkingCloud, labels: Ints) -> Ints:
     for _ in range(MARGIN - 1):
         taken[cloud.tail[same & taken[cloud.head]]] = True
     cores = _components(cloud, labels, inside & ~taken, SMALLEST_CORE * cloud.min_points)
-    grown = _grow(cloud, labels, cores)
+    grown = _rejoined(cloud, labels, _grow(cloud, labels, cores))
     rest = inside & (grown == 0)
     extra = _components(cloud, labels, rest, cloud.min_points)
     grown = np.where(extra > 0, extra + grown.max(initial=0), grown)
@@ -105,3 +108,18 @@ def _grow(cloud: WorkingCloud, labels: Ints, cores: Ints) -> Ints:
         grown[cell[first]] = core[first]
         still = grown[tail] == 0
         tail, head = tail[still], head[still]
+
+
+def _rejoined(cloud: WorkingCloud, labels: Ints, grown: Ints) -> Ints:
+    """Components after those that meet along a front, not at a neck, became one: a drum that is few cells high."""
+    width = int(grown.max(initial=0)) + 1
+    met = (labels[cloud.tail] == labels[cloud.head]) & (grown[cloud.tail] != grown[cloud.head])
+    met &= (grown[cloud.tail] > 0) & (grown[cloud.head] > 0)
+    touch = np.unique(cloud.tail[met] * width + grown[cloud.head[met]])  # a cell and the component it touches
+    pair, contact = np.unique(grown[touch // width] * width + touch % width, return_counts=True)
+    cells = np.bincount(grown, minlength=width)
+    smaller = np.minimum(cells[pair // width], cells[pair % width])
+    front = pair[contact >= NECK * np.sqrt(smaller)]
+    graph = csr_array((np.ones(len(front), dtype=np.int8), (front // width, front % width)), shape=(width, width))
+    _, joined = connected_components(graph, directed=False)
+    return np.asarray(joined, dtype=np.int64)[grown]

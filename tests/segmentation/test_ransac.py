@@ -9,6 +9,7 @@ from families import Barrel, Dome, Groin, Lunette, Mirror, Sail, Trough
 from families.sampling import sample
 from segmentation import PRESETS, Settings, compare, detect
 from segmentation.primitives import Cylinder, Plane, Sphere
+from segmentation.ransac import ROUNDS
 
 # the sizes of the paper's ideal models
 SAIL, BARREL, LUNETTE = Sail(6.0, 6.0, 1.0), Barrel(6.0, 9.0), Lunette(6.0, 9.0, width_ratio=0.93, springing_ratio=0.0)
@@ -113,7 +114,8 @@ def test_stray_points_stay_out_and_take_nothing_away():
     assert compare(found.labels, np.concatenate((truth, np.zeros(30_000, dtype=int)))).least_iou > 0.97
 
 
-def test_walls_and_floor_are_components_of_their_own():
+def barrel_in_a_room():
+    """A barrel vault with floor and two walls, noisy, and its labels: 1 for the vault, 2, 3 and 4."""
     rng = np.random.default_rng(11)
     xyz, _, truth = cloud(BARREL)
     turn = np.array([[np.cos(0.3), -np.sin(0.3), 0.0], [np.sin(0.3), np.cos(0.3), 0.0], [0.0, 0.0, 1.0]])
@@ -123,10 +125,40 @@ def test_walls_and_floor_are_components_of_their_own():
     walls[:, 0] += 3.0 * side
     added = np.concatenate((floor, walls)) @ turn.T + [1.3, -2.2, 0.7]
     labels = np.concatenate((truth, np.full(60_000, 2), np.where(side < 0.0, 3, 4)))
-    noisy = np.concatenate((xyz, added)) + 0.003 * rng.normal(size=(len(labels), 3))
-    found = detect(noisy)
+    return np.concatenate((xyz, added)) + 0.003 * rng.normal(size=(len(labels), 3)), labels
+
+
+def test_walls_and_floor_are_components_of_their_own():
+    xyz, labels = barrel_in_a_room()
+    found = detect(xyz)
     assert sorted(s.primitive.name for s in found.shapes) == ["cylinder", "plane", "plane", "plane"]
     assert compare(found.labels, labels).least_iou > 0.95
+
+
+def test_where_planes_are_off_walls_are_nothing_and_no_strips_of_a_vault():
+    xyz, labels = barrel_in_a_room()
+    found = detect(xyz, settings=Settings(primitives=("cylinder",)))
+    assert [(s.id, s.primitive.name) for s in found.shapes] == [(1, "cylinder")]
+    assert found.shapes[0].count == (found.labels == 1).sum()
+    assert compare(found.labels, np.where(labels == 1, 1, 0)).least_iou > 0.97
+
+
+@pytest.mark.parametrize("points", [5_000, 10_000])
+@pytest.mark.parametrize("vault", [LUNETTE, TROUGH, GROIN, DOME], ids=lambda v: type(v).id)
+def test_a_small_cloud_falls_into_no_more_components_than_a_large_one(vault, points):
+    xyz, normals, truth = cloud(vault, points)
+    found = detect(xyz, normals)
+    assert len(found) == truth.max()
+    assert compare(found.labels, truth).mean_iou > 0.85
+
+
+def test_the_search_ends_on_a_surface_that_no_primitive_is():
+    rng = np.random.default_rng(12)
+    x, y = rng.uniform(-5.0, 5.0, (2, 40_000))
+    z = 0.1 * sum(np.sin(1.7 * k * x + k) * np.cos(1.3 * k * y + 2 * k) for k in range(1, 6))
+    rounds = []
+    detect(np.column_stack((x, y, z)), progress=lambda stage, _: rounds.append(stage))
+    assert rounds.count("search") <= ROUNDS
 
 
 def test_points_that_are_not_finite_get_no_label():
