@@ -7,10 +7,16 @@ import os
 import platform
 from datetime import date
 
-from bench import cost, rooms, shapes
+from bench import cost, rooms, shapes, workbench
 from bench.peers import table as peers
 
-BENCHMARKS = {"shapes": shapes.run, "cost": cost.run, "peers": peers.run, "rooms": rooms.run}
+BENCHMARKS = {
+    "shapes": shapes.run,
+    "cost": cost.run,
+    "peers": peers.run,
+    "rooms": rooms.run,
+    "workbench": workbench.run,
+}
 
 
 def main() -> None:

@@ -61,7 +61,8 @@ def fitted_vault(plain: Mapping[str, Any]) -> FittedVault:
 
 
 def _estimate(plain: Mapping[str, Any]) -> Estimate:
-    return Estimate(**{name: tuple(value) if isinstance(value, list) else value for name, value in plain.items()})
+    fields: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in plain.items()}
+    return Estimate(**fields)
 
 
 def _deviation(plain: Mapping[str, Any] | None) -> Deviation | None:

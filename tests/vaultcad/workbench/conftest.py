@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from PIL import Image
 
 from vaultcad.workbench.install import by_rule, install
 
@@ -17,6 +18,7 @@ INSIDE = Path(__file__).parent / "inside"
 ROOT = Path(__file__).parents[3]
 PACKAGES = "apt-get install --no-install-recommends freecad-python3 xvfb xauth"
 PATIENCE = 300  # [s]
+PICTURES = "VAULTCAD_PICTURES"  # environment variable: a folder to which pictures of the window are copied
 
 
 def _needed(*names: str) -> str:
@@ -57,7 +59,11 @@ def in_window(home: Path, tmp_path: Path) -> Run:
 
     def run(script: str, **given: object) -> dict[str, Any]:
         command = [screen, "-a", "-s", "-screen 0 1400x900x24", program]
-        return _run(command, script, home, tmp_path, given)
+        found = _run(command, script, home, tmp_path, given)
+        if folder := os.environ.get(PICTURES):
+            for picture in tmp_path.glob("*.png"):
+                Image.open(picture).convert("RGB").quantize(96).save(Path(folder) / picture.name, optimize=True)
+        return found
 
     return run
 

@@ -20,6 +20,7 @@ class VaultCadWorkbench(Gui.Workbench):
         from .client import BUILDER, GoneError
         from .commands import register
         from .texts import complain
+        from .view import FaceTeller
 
         try:
             names = register()
@@ -27,6 +28,7 @@ class VaultCadWorkbench(Gui.Workbench):
         except GoneError as error:
             complain(str(error))
             return
+        Gui.Selection.addObserver(FaceTeller())
         self.appendToolbar("VaultCad", list(names))
         self.appendMenu("VaultCad", list(names))
 

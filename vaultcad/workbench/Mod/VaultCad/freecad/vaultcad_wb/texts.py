@@ -28,5 +28,7 @@ def complain(text: str) -> None:
     App.Console.PrintError(f"VaultCad: {text}\n")
     if App.GuiUp:
         import FreeCADGui as Gui
+        from PySide import QtCore
 
-        Gui.getMainWindow().statusBar().showMessage(text, 10_000)
+        # Later, for a recompute that is under way clears the bar when it ends.
+        QtCore.QTimer.singleShot(0, lambda: Gui.getMainWindow().statusBar().showMessage(text, 10_000))

@@ -5,6 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import FreeCAD as App
+import FreeCADGui as Gui
+
 ICONS = Path(__file__).parent / "icons"
 
 
@@ -52,6 +55,16 @@ class VaultView(View):
 
         show_results(view.Object)
         return True
+
+
+class FaceTeller:
+    """Names the component of a face of a vault that is selected, in the status bar."""
+
+    def addSelection(self, document: str, name: str, element: str, point: Any) -> None:
+        """Called by FreeCAD for each thing that is selected."""
+        names = getattr(App.getDocument(document).getObject(name), "FaceNames", None)
+        if names and element.startswith("Face"):
+            Gui.getMainWindow().statusBar().showMessage(names[int(element[4:]) - 1], 10_000)
 
 
 class ScanView(View):
