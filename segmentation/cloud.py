@@ -1,13 +1,13 @@
 """The one value that reading a scan gives: points local to an origin, Z up, with what the scanner knew of each."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-Up = Literal["z", "y"]
+Up = Literal["z", "y", "x", "-z", "-y", "-x"]
 Floats = NDArray[np.floating[Any]]
 F = TypeVar("F", bound=np.floating[Any])
 
@@ -28,7 +28,7 @@ class Cloud:
     classification: (n,) uint8 by the LAS standard, or None.
     stations: (k, 3) float64 scanner positions, local like xyz; empty where the file tells none.
     source: the file, or None.
-    up: the axis that was up in the file; "y" means that the points were turned when read.
+    up: the axis that was up in the file; another than "z" means that the points were turned when read.
     dropped: how many points of the file were left out, being NaN, infinite or marked invalid.
     kept: (points in the file,) bool, True for those in xyz and in the same order; None where nothing was dropped.
     """
@@ -53,11 +53,41 @@ class Cloud:
         return turn_back(np.asarray(xyz, np.float64) + self.origin, self.up)
 
 
+AXES: dict[Up, tuple[tuple[int, int, int], tuple[int, int, int]]] = {
+    "z": ((0, 1, 2), (1, 1, 1)),
+    "y": ((0, 2, 1), (1, -1, 1)),
+    "x": ((1, 2, 0), (1, 1, 1)),
+    "-z": ((0, 1, 2), (1, -1, -1)),
+    "-y": ((0, 2, 1), (1, 1, -1)),
+    "-x": ((2, 1, 0), (1, 1, -1)),
+}
+"""By the axis that is up in a file: its axes that become x, y and z, and their signs; all of them turns."""
+
+
 def turn(xyz: NDArray[F], up: Up) -> NDArray[F]:
     """Points or directions (n, 3) of a file with that axis up, turned Z-up: (x, y, z) -> (x, -z, y) for "y"."""
-    return xyz if up == "z" else xyz[:, [0, 2, 1]] * np.array([1, -1, 1], xyz.dtype)
+    axes, signs = AXES[up]
+    return xyz if up == "z" else xyz[:, axes] * np.array(signs, xyz.dtype)
 
 
 def turn_back(xyz: NDArray[F], up: Up) -> NDArray[F]:
     """The inverse of `turn`: (x, y, z) -> (x, z, -y) for "y"."""
-    return xyz if up == "z" else xyz[:, [0, 2, 1]] * np.array([1, 1, -1], xyz.dtype)
+    axes, signs = AXES[up]
+    return xyz if up == "z" else (xyz * np.array(signs, xyz.dtype))[:, np.argsort(axes)]
+
+
+def stood_up(cloud: Cloud, up: Up) -> Cloud:
+    """A cloud that was read with its Z up, with another axis of the file up.
+
+    Raises ValueError if another axis than Z was up when it was read.
+    """
+    if cloud.up != "z":
+        raise ValueError(f"up = {cloud.up!r}: the cloud was turned when it was read; read it with up = 'z'")
+    return replace(
+        cloud,
+        xyz=turn(cloud.xyz, up),
+        origin=turn(cloud.origin[None], up)[0],
+        normals=None if cloud.normals is None else turn(cloud.normals, up),
+        stations=turn(cloud.stations, up),
+        up=up,
+    )

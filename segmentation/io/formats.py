@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from segmentation.cloud import Cloud, Up
+from segmentation.cloud import AXES, Cloud, Up
 from segmentation.errors import ReadError
 from segmentation.io.chunk import Chunk, Progress, assemble
 from segmentation.io.e57 import read_e57
@@ -34,13 +34,13 @@ SIGNATURES = {
 def read(path: Path | str, *, up: Up = "z", progress: Progress | None = None) -> Cloud:
     """A scan as a Cloud: invalid points dropped, Z up, shifted to a local origin where coordinates are large.
 
-    path: a file with one of the suffixes of READERS. up: which axis is up in the file, "z" or "y".
+    path: a file with one of the suffixes of READERS. up: the axis that is up in it, one of `segmentation.cloud.AXES`.
     progress: called with the share read so far, 0..1.
     Raises ReadError (a ValueError) if the file is missing, empty, truncated, no point cloud or without valid points.
     """
     path = Path(path)
-    if up not in ("z", "y"):
-        raise ValueError(f"up = {up!r} is neither 'z' nor 'y'")
+    if up not in AXES:
+        raise ValueError(f"up = {up!r} is not one of {', '.join(AXES)}")
     return assemble(reader_of(path)(path), path, up=up, progress=progress)
 
 

@@ -219,8 +219,8 @@ def test_nothing_reaches_standard_error(tmp_path, capfd, clouds):
 
 
 def test_an_unknown_axis(tmp_path, clouds):
-    with pytest.raises(ValueError, match="up = 'x'"):
-        read(clouds.sample(tmp_path, ".laz"), up="x")
+    with pytest.raises(ValueError, match="up = 'w'"):
+        read(clouds.sample(tmp_path, ".laz"), up="w")
 
 
 def test_every_public_name_is_there():

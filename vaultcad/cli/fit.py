@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -10,8 +11,8 @@ import typer
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-from vaultcad.cli.errors import refusing
-from vaultcad.cli.options import Bounds, Seed, number_info, single
+from vaultcad.cli.errors import InputError, refusing
+from vaultcad.cli.options import Axis, Bounds, Seed, number_info, single
 from vaultcad.cli.outputs import check_folder
 from vaultcad.cli.status import status
 
@@ -30,9 +31,19 @@ def fit(
     family: Annotated[
         str, typer.Option(metavar="NAME", help="auto, or what the vault is, in any language: see vaultcad families.")
     ] = "auto",
-    up: Annotated[Literal["z", "y"], typer.Option(help="The axis that is up in the scan.")] = "z",
+    up: Annotated[
+        Literal[Axis, "auto"], typer.Option(help="The axis that is up in the scan; auto tries all, and takes longer.")
+    ] = "z",
     seed: Seed = 0,
     thickness: Thickness = 0.15,
+    fix: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME=VALUE", help="Hold a size, as rise=2.5, or x, y, springing, yaw; may be repeated."),
+    ] = None,
+    free: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Let a constraint go, as vaultcad families lists them; may be repeated."),
+    ] = None,
     review: Annotated[bool, typer.Option("--review", help="Draw the fit to review.png, to be looked at.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print report.json instead of the summary.")] = False,
 ) -> None:
@@ -41,20 +52,32 @@ def fit(
     Finds each vault, recognises its family, fits all parameters, labels every point, measures the deviation.
     """
     from vaultcad.cli.summary import show_summary
+    from vaultcad.demands import demand
 
     check_folder(out, inputs=[scan])
     families = _families(family)
+    fixed, freed = _fixed(fix or []), tuple(free or [])
+    with refusing():
+        demand(families, fixed, freed)
 
     from segmentation.io import read, write_labelled
 
     with status(STAGES) as bar:
         bar.stage("reading")
-        cloud = read(scan, up=up, progress=bar.share)
+        cloud = read(scan, up="z" if up == "auto" else up, progress=bar.share)
 
         from vaultcad.export.bundle import write_all
         from vaultcad.pipeline import Settings, fit_scan
 
-        result = fit_scan(cloud, Settings(families=families, seed=seed, thickness=thickness), progress=bar.stage)
+        if up == "auto":
+            import numpy as np
+
+            from vaultcad.upright import stand_up
+
+            bar.stage("standing up")
+            cloud = stand_up(cloud, np.random.default_rng(seed), families=families)
+        settings = Settings(families, seed, thickness, fixed, freed)
+        result = fit_scan(cloud, settings, progress=bar.stage)
         bar.stage("writing")
         labels = result.labels
         extra: dict[str, NDArray[Any]] = {
@@ -88,3 +111,16 @@ def _families(name: str) -> Any:
         return FAMILIES
     with refusing():
         return (named(name),)
+
+
+def _fixed(texts: list[str]) -> dict[str, float]:
+    """Sizes by name from texts like rise=2.5; the yaw is given in degrees."""
+    found: dict[str, float] = {}
+    for text in texts:
+        name, _, value = text.partition("=")
+        name = name.strip().replace("-", "_")
+        try:
+            found[name] = float(value) * (pi / 180 if name == "yaw" else 1)
+        except ValueError:
+            raise InputError(f"--fix {text}: is no name with a number; write it like --fix rise=2.5") from None
+    return found

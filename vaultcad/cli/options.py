@@ -6,7 +6,7 @@ import inspect
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import inf, isnan, pi
-from typing import Annotated, Any, NamedTuple, Protocol
+from typing import Annotated, Any, Literal, NamedTuple, Protocol
 
 import typer
 
@@ -14,6 +14,8 @@ from vaultcad.cli.errors import InputError
 
 SHOWN = {"m": ("m", 1.0), "rad": ("°", 180 / pi), "1": ("", 1.0)}
 """Unit of a declaration -> the unit that people read, and its factor."""
+Axis = Literal["z", "y", "x", "-z", "-y", "-x"]
+"""As `segmentation.cloud.Up`, which takes too long to import."""
 METAVAR = {"m": "M", "rad": "DEG", "1": "NUMBER"}
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
 
 from segmentation.presets import PRESETS
 from segmentation.settings import RANGES, Settings
 from vaultcad.cli.errors import InputError, refusing
-from vaultcad.cli.options import Option, Seed, number, single, with_options
+from vaultcad.cli.options import Axis, Option, Seed, number, single, with_options
 from vaultcad.cli.outputs import check_file
 from vaultcad.cli.status import status
 from vaultcad.cli.tables import show_table
@@ -38,7 +38,7 @@ def segment(
         str | None,
         typer.Option(metavar="NAME", help="Parameters of the paper: groin-ideal, groin-real, and so for each family."),
     ] = None,
-    up: Annotated[Literal["z", "y"], typer.Option(help="The axis that is up in the scan.")] = "z",
+    up: Annotated[Axis, typer.Option(help="The axis that is up in the scan.")] = "z",
     seed: Seed = 0,
 ) -> None:
     """Label the planes, spheres, cylinders and cones of a scan.
