@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import cos, sin
+from math import cos, sin, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -49,13 +49,43 @@ class Deviation:
 
 @dataclass(frozen=True)
 class Estimate:
-    """One parameter or derived size with its standard deviation in the same unit; None if it was not estimated."""
+    """One parameter or derived size with its standard deviation in the same unit; None if it was not estimated.
+
+    seen: of what a scan of the whole vault would tell of it, the share (0 to 1) that this scan does. flags: "unseen" if
+    that is little, "weak" if the standard deviation is large.
+    """
 
     value: float
     unit: str
     std: float | None
     meaning: str = ""
     derived: bool = False
+    seen: float | None = None
+    flags: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Covariance:
+    """Covariance (k, k) of the k unknowns of a fit, pose first; lengths in m, angles in rad, ratios in 1."""
+
+    names: tuple[str, ...]
+    matrix: NDArray[np.float64]
+
+    def std(self, slopes: NDArray[np.float64]) -> float:
+        """Standard deviation of a size with these derivatives (k,) by the unknowns."""
+        return sqrt(max(float(slopes @ self.matrix @ slopes), 0.0))
+
+    def stds(self) -> dict[str, float]:
+        """Standard deviation of each unknown."""
+        return dict(zip(self.names, np.sqrt(np.maximum(np.diag(self.matrix), 0.0)).tolist(), strict=True))
+
+    def correlations(self) -> NDArray[np.float64]:
+        """(k, k) from -1 to 1, 1 on the diagonal; 0 for an unknown that was held."""
+        std = np.sqrt(np.maximum(np.diag(self.matrix), 0.0))
+        std[std == 0] = np.inf
+        out: NDArray[np.float64] = np.clip(self.matrix / np.outer(std, std), -1.0, 1.0)
+        np.fill_diagonal(out, 1.0)
+        return out
 
 
 @dataclass(frozen=True)
@@ -83,6 +113,7 @@ class FittedVault:
     coverage: float
     converged: bool = True
     as_built: Deviation | None = None
+    covariance: Covariance | None = None
     tolerance: float = 0.03  # m, half of the band that its points lie in
 
 

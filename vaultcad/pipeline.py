@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,20 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import FAMILIES, Vault
-from families.parameters import derived_declarations
 from segmentation.cloud import Cloud
 from vaultcad.as_built import displacement
-from vaultcad.coverage import coverage
+from vaultcad.coverage import look
 from vaultcad.deviation import summarise
 from vaultcad.errors import NoVaultError
+from vaultcad.estimates import estimates
 from vaultcad.label import Labels, label
-from vaultcad.model import Component, Deviation, Estimate, FittedVault, Model
+from vaultcad.model import Component, Deviation, FittedVault, Model
 from vaultcad.recognise import confidence
-from vaultcad.refine import Refined
 from vaultcad.search import Found, find_vaults
 from vaultcad.site import Thin, thin_scan
 from vaultcad.solve import Placed
-from vaultcad.uncertainty import covariance, derived_std
+from vaultcad.uncertainty import covariance
 from vaultcad.versions import versions
 
 Array = NDArray[np.float64]
@@ -118,25 +117,28 @@ def _measured(
     if not mine.any():
         raise NoVaultError("no vault found: no point lies on the best model; scan a whole bay, or crop to one")
     on = thin.points[mine] @ frame[:, :3].T + frame[:, 3]
-    shares, whole = coverage(placed.vault, on, 2.5 * thin.spacing, rng)
+    sight = look(placed.vault, on, 2.5 * thin.spacing, rng)
+    solution, fitted = found.refined.solution, found.refined.points
+    spread = covariance(solution, fitted)
     (points,) = np.nonzero(labels.vault == number)
     component, deviation = labels.component[points], labels.deviation[points]
     components = []
     for k, name in enumerate(placed.vault.components, 1):
         d = deviation[component == k]
-        components.append(Component(k, name, len(d), summarise(d) if len(d) else None, shares[name]))
+        components.append(Component(k, name, len(d), summarise(d) if len(d) else None, sight.of(k)))
     ranking = confidence(found.hypotheses)
     return FittedVault(
         vault=placed.vault,
         pose=placed.pose,
         confidence=ranking[0],
         alternatives=tuple((h.vault.id, c) for h, c in zip(found.hypotheses[1:], ranking[1:], strict=True)),
-        parameters=_estimates(found.refined),
+        parameters=estimates(solution, fitted, sight, spread),
         components=tuple(components),
         deviation=summarise(deviation),
-        coverage=whole,
-        converged=found.refined.solution.converged,
+        coverage=sight.whole,
+        converged=solution.converged,
         as_built=_as_built(placed, on, thinned.deviation[mine].astype(np.float64), rng),
+        covariance=spread,
         tolerance=found.tolerance,
     )
 
@@ -150,21 +152,3 @@ def _as_built(placed: Placed, on: Array, distances: Array, rng: np.random.Genera
     normals = placed.vault.evaluate(on[order]).normal
     field_ = displacement(on[fit], normals[::2], distances[fit])
     return summarise(distances[held] - np.einsum("nc,nc->n", field_(on[held]), normals[1::2]))
-
-
-def _estimates(refined: Refined) -> dict[str, Estimate]:
-    """All parameters and derived sizes with their standard deviations; those held in the fit have none."""
-    vault, names = refined.placed.vault, refined.solution.names
-    cov = covariance(refined.solution, refined.points)
-    std: Mapping[str, float] = dict(zip(names, np.sqrt(np.maximum(np.diag(cov), 0.0)).tolist(), strict=True))
-    values, derived = vault.values(), vault.derived_values()
-    declared = derived_declarations(type(vault))
-    derived_stds = derived_std(refined.placed, names, cov)
-    found = {
-        p.name: Estimate(values[p.name], p.range.unit, std.get(p.name), p.range.meaning) for p in vault.parameters()
-    }
-    for name, value in derived.items():
-        found[name] = Estimate(
-            value, declared[name].unit, derived_stds[name] or None, declared[name].meaning, derived=True
-        )
-    return found

@@ -41,6 +41,7 @@ class Solution:
     """Where the least squares came to rest.
 
     names: the unknowns, pose first. jacobian: (n, k) of the distances. weights: (n,) robust weights times the points'.
+    free: what the names may move, and what follows them.
     """
 
     placed: Placed
@@ -49,6 +50,7 @@ class Solution:
     weights: Array
     jacobian: Array
     converged: bool
+    free: Freedom
 
 
 def robust_cost(residuals: Array, scale: float) -> Array:
@@ -113,7 +115,7 @@ def solve(
                 converged = True
                 break
     w = weights / (1 + (r / scales[-1]) ** 2) ** 2
-    return Solution(placed, names, r, w, _jacobian(start, free, x, high, points), converged)
+    return Solution(placed, names, r, w, _jacobian(start, free, x, high, points), converged, free)
 
 
 def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool_]) -> Array:

@@ -1,44 +1,96 @@
-"""How sure the parameters are, allowing for residuals that are alike over some distance."""
+"""How sure pose, parameters and derived sizes are, allowing for a settlement that hides in them."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.solve import Placed, Solution
+from families import Vault
+from vaultcad.model import Covariance
+from vaultcad.settlement import block_means, motion
+from vaultcad.solve import POSE, Placed, Solution
 
 Array = NDArray[np.float64]
-BLOCK = 0.75  # m; the settlement of a vault is alike within about this distance
+
+STEP = 1e-6  # of finite differences
+VAGUE = 1e-8  # weight of a parameter's range against the points, share of the largest
 
 
-def covariance(solution: Solution, points: Array) -> Array:
-    """Covariance (k, k) of the unknowns of a solution from points (n, 3) [m].
+def covariance(solution: Solution, points: Array) -> Covariance:
+    """Covariance of the unknowns of a solution from points (n, 3) [m], about the vault before it settled.
 
-    The sandwich estimator with residuals summed within blocks of space, so that what settled together counts once
-    (Liang and Zeger 1986; Conley 1999 for space).
+    Two parts: how far the motions that the residuals make likely would move this weighted least-squares fit, and the
+    square of the way by which generalised least squares, which know of these motions, put the unknowns elsewhere. What
+    the points say nothing of is as unsure as its range is wide. An unknown that rests on its bound counts as free:
+    where the bound keeps it off the truth, that is what it misses. Parts of the pose that were held have none.
     """
-    w, jacobian = solution.weights, solution.jacobian
-    hessian = (jacobian.T * w) @ jacobian
-    pull = jacobian * (w * solution.residuals)[:, None]
-    _, block = np.unique(np.floor(points / BLOCK).astype(np.int64), axis=0, return_inverse=True)
-    count = int(block.max()) + 1
-    sums = np.zeros((count, pull.shape[1]))
-    np.add.at(sums, block.ravel(), pull)
-    bread = np.linalg.pinv(hessian, rcond=1e-12, hermitian=True)
-    correction = count / max(1, count - pull.shape[1])
-    out: Array = correction * bread @ (sums.T @ sums) @ bread
+    blocks, placed = block_means(solution, points), solution.placed
+    plan = placed.vault.plan
+    moved = motion(blocks, (plan.half_x, plan.half_y), placed.vault.derived_values()["rise"])
+
+    hessian = (solution.jacobian.T * solution.weights) @ solution.jacobian
+    vague = _vague(solution)
+    weight = VAGUE * float(np.diag(hessian).max(initial=0.0))
+    bread = _inverse(hessian + weight * vague)
+    pull = (blocks.jacobian * blocks.weight[:, None]).T
+    wandering = bread @ (pull @ moved @ pull.T + weight**2 * vague) @ bread
+
+    usable, jacobian = blocks.usable, blocks.jacobian[blocks.usable]
+    informed = np.linalg.solve(moved[np.ix_(usable, usable)], np.column_stack([jacobian, blocks.residual[usable]]))
+    shift = _inverse(jacobian.T @ informed[:, :-1] + vague) @ (jacobian.T @ informed[:, -1])
+    return Covariance(solution.names, wandering + np.outer(shift, shift))
+
+
+def _vague(solution: Solution) -> Array:
+    """Diagonal (k, k): what the ranges of the parameters say of them, as the inverse of a variance."""
+    ranges = {p.name: p.range for p in solution.placed.vault.parameters()}
+    wide = [np.inf if name in POSE else ranges[name].high - ranges[name].low for name in solution.names]
+    return np.diag(12 / np.array(wide) ** 2)
+
+
+def _inverse(matrix: Array) -> Array:
+    """Of a symmetric matrix whose unknowns differ in scale; zero where a row is."""
+    size = np.sqrt(np.diag(matrix))
+    size[size == 0] = np.inf
+    out: Array = np.linalg.pinv(matrix / np.outer(size, size), rcond=1e-14, hermitian=True) / np.outer(size, size)
     return out
 
 
-def derived_std(placed: Placed, names: tuple[str, ...], cov: Array) -> dict[str, float]:
-    """Standard deviations of the derived sizes of a vault whose unknowns `names` have the covariance (k, k)."""
-    values, ranges = placed.vault.values(), {p.name: p.range for p in placed.vault.parameters()}
-    base = placed.vault.derived_values()
-    rows = np.zeros((len(base), len(names)))
-    for k, name in enumerate(names):
-        if name in values:
-            step = 1e-6 if values[name] + 1e-6 <= ranges[name].high else -1e-6
-            moved = placed.vault.replaced({name: values[name] + step}).derived_values()
-            rows[:, k] = [(moved[key] - base[key]) / step for key in base]
-    variance = np.einsum("ik,kl,il->i", rows, cov, rows)
-    return dict(zip(base, np.sqrt(np.maximum(variance, 0.0)).tolist(), strict=True))
+def slopes_of_sizes(solution: Solution) -> dict[str, Array]:
+    """Derivatives (k,) by the unknowns of each parameter and derived size; zero for what was held."""
+    base = _sizes(solution.placed.vault)
+    rows = np.zeros((len(base), len(solution.names)))
+    for k, vault, step in _moved(solution):
+        moved = _sizes(vault)
+        rows[:, k] = [(moved[name] - base[name]) / step for name in base]
+    return dict(zip(base, rows, strict=True))
+
+
+def _sizes(vault: Vault) -> dict[str, float]:
+    return {**vault.values(), **vault.derived_values()}
+
+
+def slopes_of_distances(solution: Solution, points: Array) -> Array:
+    """Derivatives (n, k) of the distances of any points (n, 3) [m] to the fitted vault by the unknowns."""
+    placed, pose = solution.placed, solution.placed.pose
+    normal, base = placed.vault.evaluate(points, frame=pose.frame(), walls=True).normal, placed.distance(points)
+    turning = normal[:, 0] * (points[:, 1] - pose.y) - normal[:, 1] * (points[:, 0] - pose.x)
+    slopes = np.zeros((len(points), len(solution.names)))
+    slopes[:, : len(POSE)] = np.column_stack([-normal, turning])
+    for k, vault, step in _moved(solution):
+        slopes[:, k] = (Placed(vault, pose).distance(points) - base) / step
+    return slopes
+
+
+def _moved(solution: Solution) -> Iterator[tuple[int, Vault, float]]:
+    """Index of each parameter among the unknowns, the vault with a little more or less of it, and how much.
+
+    What is tied to it follows.
+    """
+    vault = solution.placed.vault
+    values, ranges = vault.values(), {p.name: p.range for p in vault.parameters()}
+    for k, name in enumerate(solution.names[len(POSE) :], len(POSE)):
+        step = STEP if values[name] + STEP <= ranges[name].high else -STEP
+        yield k, solution.free.settled(vault, {name: values[name] + step}), step

@@ -8,7 +8,7 @@ import pytest
 from families import Barrel, Groin, Sail, Semicircular, Vault
 from segmentation.cloud import Cloud
 from vaultcad.as_built import displacement
-from vaultcad.coverage import coverage
+from vaultcad.coverage import look
 from vaultcad.deviation import level_of_accuracy, summarise
 from vaultcad.errors import NoVaultError
 from vaultcad.label import label
@@ -63,12 +63,9 @@ def test_the_level_of_accuracy_is_that_of_the_standard(p95: float, name: str) ->
 def test_coverage_is_the_share_that_was_seen(vault: Vault) -> None:
     rng = np.random.default_rng(2)
     xyz = vault.sample(20_000, rng).xyz
-    _, whole = coverage(vault, xyz, 0.1, rng)
-    _, half = coverage(vault, xyz[xyz[:, 1] > 0], 0.1, rng)
-    _, none = coverage(vault, xyz[:0], 0.1, rng)
-    assert whole > 0.995
-    assert half == pytest.approx(0.5, abs=0.03)
-    assert none == 0.0
+    assert look(vault, xyz, 0.1, rng).whole > 0.995
+    assert look(vault, xyz[xyz[:, 1] > 0], 0.1, rng).whole == pytest.approx(0.5, abs=0.03)
+    assert look(vault, xyz[:0], 0.1, rng).whole == 0.0
 
 
 def test_the_as_built_field_follows_a_smooth_settlement_and_not_the_noise() -> None:

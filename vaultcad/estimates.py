@@ -1,0 +1,42 @@
+"""All numbers of a fitted vault with how sure they are, and marks on those that hang on stone nobody saw."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families.parameters import Derived, Range, derived_declarations
+from vaultcad.coverage import Sight, information
+from vaultcad.model import Covariance, Estimate
+from vaultcad.solve import Solution
+from vaultcad.uncertainty import slopes_of_sizes
+
+UNSEEN = 0.5  # share of what could be told of a number below which it hangs on unseen stone
+WEAK_LENGTH = 0.03  # standard deviation of a length / shorter span, from which it is weak
+WEAK_SHARE = 0.1  # the same of a ratio / its range
+
+
+def estimates(
+    solution: Solution, points: NDArray[np.float64], sight: Sight, covariance: Covariance
+) -> dict[str, Estimate]:
+    """Parameters, then derived sizes, of a solution that rests on points (n, 3) [m]; what was held has no deviation."""
+    vault, slopes = solution.placed.vault, slopes_of_sizes(solution)
+    told = information(solution, points, sight)
+    short = 2 * min(vault.plan.half_x, vault.plan.half_y)
+
+    def estimate(name: str, value: float, of: Range | Derived, weak: float, *, derived: bool) -> Estimate:
+        std = covariance.std(slopes[name])
+        if std == 0:
+            return Estimate(value, of.unit, None, of.meaning, derived)
+        seen = told.share(slopes[name])
+        flags = {"unseen": seen < UNSEEN, "weak": std > weak}
+        return Estimate(value, of.unit, std, of.meaning, derived, seen, tuple(flag for flag, up in flags.items() if up))
+
+    found, values = {}, vault.values()
+    for p in vault.parameters():
+        weak = WEAK_LENGTH * short if p.range.unit == "m" else WEAK_SHARE * (p.range.high - p.range.low)
+        found[p.name] = estimate(p.name, values[p.name], p.range, weak, derived=False)
+    declared = derived_declarations(type(vault))
+    for name, value in vault.derived_values().items():
+        found[name] = estimate(name, value, declared[name], WEAK_LENGTH * short, derived=True)
+    return found

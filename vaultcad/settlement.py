@@ -1,0 +1,125 @@
+"""What a fit's residuals say of the settlement, also of the part that the fit has taken for shape.
+
+A settled vault has moved smoothly: what the residuals show is what is left of that motion after pose and parameters
+have taken their share. Here it is a random field of displacements with two parts of equal strength: waves, as smooth as
+a Gaussian process with a length about half the shorter span (Rasmussen and Williams 2006), and the way in which vaults
+give, springings outwards and crown down (Heyman 1995). Strength, length and the roughness of the stone come from the
+restricted likelihood (Patterson and Thompson 1971), which sees only what no parameter could have taken, with a weak
+prior: real vaults have moved by 2 to 5 cm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vaultcad.solve import Solution
+
+Array = NDArray[np.float64]
+
+MOST = 300  # blocks: fewer blur the field, more cost time
+FINEST, COARSER = 0.3, 1.1  # m, edge of the smallest blocks, and by how much they grow until there are few enough
+OUTLIER = 4.0  # scatters of the residuals beyond which a block is not of the vault
+SCATTERS = (0.001, 0.0125)  # m, limits of that scatter
+STRENGTHS = np.geomspace(1e-4, 0.06, 28)  # m, standard deviation of the motion along any direction
+ROUGHNESSES = np.geomspace(1e-4, 0.03, 24)  # m, standard deviation of a block's mean from the smooth field
+LENGTHS = (0.3, 0.5, 0.8)  # of the waves / shorter span
+STRENGTH, STRENGTH_SPREAD = 0.01, 0.7  # m, of a vault that has moved by 3 cm at most; spread of its logarithm
+LENGTH, LENGTH_SPREAD = 0.5, 0.5  # waves are from one to three spans long; spread of the logarithm
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Means over blocks of points that lie together on one component or one wall.
+
+    weight: (m,) sum of the weights. residual: (m,) [m]. jacobian: (m, k). place: (m, 3) [m] and normal: (m, 3) in the
+    vault's frame. usable: (m,) whether it is part of the vault or its walls.
+    """
+
+    weight: Array
+    residual: Array
+    jacobian: Array
+    place: Array
+    normal: Array
+    usable: NDArray[np.bool_]
+
+
+def block_means(solution: Solution, points: Array) -> Blocks:
+    """Of the points (n, 3) [m] that a solution rests on."""
+    frame = solution.placed.pose.frame()
+    local = points @ frame[:, :3].T + frame[:, 3]
+    surface = solution.placed.vault.evaluate(local, walls=True)
+    # Walls have no component: the four are told apart by where they face.
+    facing = np.argmax(np.abs(surface.normal), axis=1)
+    side = 2 * facing + (np.take_along_axis(surface.normal, facing[:, None], axis=1)[:, 0] > 0)
+    face = np.where(surface.component > 0, surface.component.astype(np.int64) + 6, side)
+    block = _blocks(local, face)
+    count = int(block.max(initial=-1)) + 1
+    weight: Array = np.bincount(block, solution.weights, count).astype(np.float64)
+
+    def mean(values: Array) -> Array:
+        columns = [np.bincount(block, solution.weights * column, count) for column in values.T]
+        return np.stack(columns, axis=1) / np.maximum(weight, 1e-300)[:, None]
+
+    residual = mean(solution.residuals[:, None])[:, 0]
+    scatter = float(np.clip(1.4826 * np.median(np.abs(residual)), *SCATTERS)) if count else SCATTERS[1]
+    return Blocks(
+        weight, residual, mean(solution.jacobian), mean(local), mean(surface.normal), abs(residual) < OUTLIER * scatter
+    )
+
+
+def _blocks(local: Array, face: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Number (n,) of the block of each point, blocks being as small as `MOST` of them allow."""
+    edge = FINEST
+    while True:
+        cell = np.floor((local - local.min(axis=0, initial=0.0)) / edge).astype(np.int64)
+        size = cell.max(axis=0, initial=0) + 1
+        key = ((face * size[0] + cell[:, 0]) * size[1] + cell[:, 1]) * size[2] + cell[:, 2]
+        found, block = np.unique(key, return_inverse=True)
+        if len(found) <= MOST:
+            return np.asarray(block.ravel(), np.int64)
+        edge *= COARSER
+
+
+def motion(blocks: Blocks, half: tuple[float, float], rise: float) -> Array:
+    """Covariance (m, m) [m²] of the blocks' motion along their normals, roughness included, given their residuals.
+
+    half: half extents of the plan [m]. rise: of the crown above the springing [m].
+    """
+    apart = ((blocks.place[:, None] - blocks.place[None]) ** 2).sum(axis=2)
+    alike = blocks.normal @ blocks.normal.T
+    modes = _modes(blocks, half, rise)
+    shapes = [np.exp(-0.5 * apart / (length * 2 * min(half)) ** 2) * alike + modes @ modes.T for length in LENGTHS]
+    likely = np.stack([_log_likelihood(shape, blocks) for shape in shapes])
+    likely -= 0.5 * (np.log(np.array(LENGTHS) / LENGTH) / LENGTH_SPREAD)[:, None, None] ** 2
+    likely -= 0.5 * (np.log(STRENGTHS / STRENGTH) / STRENGTH_SPREAD)[:, None] ** 2
+    share = np.exp(likely - likely.max())
+    share /= share.sum()
+    # The mean over all that is likely, so that what the scan cannot tell widens the result.
+    smooth = np.einsum("ls,s,lij->ij", share.sum(axis=2), STRENGTHS**2, np.stack(shapes))
+    rough = float(share.sum(axis=(0, 1)) @ ROUGHNESSES**2)
+    out: Array = smooth + rough * np.eye(len(smooth))
+    return out
+
+
+def _modes(blocks: Blocks, half: tuple[float, float], rise: float) -> Array:
+    """How blocks (m, 3) move along their normals when the springings spread in x and in y, and the crown falls."""
+    height = np.clip(blocks.place[:, 2] / max(rise, 1e-3), 0, 1)
+    x, y = (np.clip(blocks.place[:, k] / half[k], -1, 1) for k in (0, 1))
+    return np.stack([x * (1 - height), y * (1 - height), -height], axis=1) * blocks.normal
+
+
+def _log_likelihood(shape: Array, blocks: Blocks) -> Array:
+    """Restricted log likelihood (strengths, roughnesses) of the residuals of the usable blocks."""
+    usable = blocks.usable
+    jacobian = blocks.jacobian[usable]
+    size = np.linalg.norm(jacobian, axis=0)
+    basis, _ = np.linalg.qr(jacobian[:, size > 0] / size[size > 0], mode="complete")
+    left = basis[:, (size > 0).sum() :]  # what no unknown can take
+    values, vectors = np.linalg.eigh(left.T @ shape[np.ix_(usable, usable)] @ left)
+    squared = (vectors.T @ (left.T @ blocks.residual[usable])) ** 2
+    variance = STRENGTHS[:, None, None] ** 2 * np.maximum(values, 0) + ROUGHNESSES[None, :, None] ** 2
+    out: Array = -0.5 * (np.log(variance) + squared / variance).sum(axis=2)
+    return out
