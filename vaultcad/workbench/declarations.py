@@ -22,12 +22,13 @@ def families(request: Request) -> dict[str, Any]:
 
 
 def declared(cls: type[Vault]) -> dict[str, Any]:
-    """One family: names, components, `parameters`, and `sizes` that follow from them.
+    """One family: names, components, `parameters`, and `sizes` that follow from them or, some, decide on one of them.
 
     A parameter has name, kind, unit, low, high, meaning, group, default. One of kind "choice" is a profile: instead of
     a range it has `choices`, profile id -> the parameters that this profile adds.
     """
     from families import Profile
+    from families.lengths import RATIOS
     from families.parameters import derived_declarations
 
     vault = cls()
@@ -40,7 +41,14 @@ def declared(cls: type[Vault]) -> dict[str, Any]:
         else:
             parameters.append(_number(own[name], values[name], GROUPS["vault"]))
     sizes = [
-        {"name": name, "kind": _kind(size.unit), "unit": size.unit, "meaning": size.meaning, "group": GROUPS["size"]}
+        {
+            "name": name,
+            "kind": _kind(size.unit),
+            "unit": size.unit,
+            "meaning": size.meaning,
+            "group": GROUPS["size"],
+            "decides": name in RATIOS[cls.id],
+        }
         for name, size in derived_declarations(cls).items()
     ]
     return {

@@ -17,20 +17,24 @@ if TYPE_CHECKING:
 def build(request: Request) -> dict[str, Any]:
     """Write the masonry, or with thickness 0 the intrados, of a vault in its own frame to `path`.
 
-    Asked: family, profiles, parameters [m, rad], thickness [m], path. Told: `faces`, the component of each face in the
-    order of the file; `colours` by component; `sizes` that follow from the parameters [m, rad].
+    Asked: family, profiles, parameters [m, rad], thickness [m], path, and `lengths` [m] of sizes that are to decide on
+    a parameter. Told: `faces`, the component of each face in the order of the file; `colours` by component; the
+    `parameters`, and the `sizes` that follow from them [m, rad].
     """
+    from families.lengths import with_lengths
+    from families.palette import colour
     from segmentation.io.whole import replacing
-    from vaultcad.export.palette import colour
 
     vault = vault_of(request.text("family"), request.texts("profiles"), request.numbers("parameters"))
+    if lengths := request.numbers("lengths"):
+        vault = with_lengths(vault, lengths)
     path = Path(request.text("path"))
     shape, names = made(vault, request.number("thickness", 0.0))
     with replacing(path) as part:
         _write(shape, part)
     ids = {name: 1 + k for k, name in enumerate(vault.components)}
     colours = {name: colour(ids.get(name, 0)).unit for name in dict.fromkeys(names)}
-    return {"faces": names, "colours": colours, "sizes": vault.derived_values()}
+    return {"faces": names, "colours": colours, "parameters": vault.values(), "sizes": vault.derived_values()}
 
 
 def made(vault: Vault, thickness: float) -> tuple[TopoDS_Shape, list[str]]:

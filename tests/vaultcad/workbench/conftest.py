@@ -62,7 +62,8 @@ def in_window(home: Path, tmp_path: Path) -> Run:
         found = _run(command, script, home, tmp_path, given)
         if folder := os.environ.get(PICTURES):
             for picture in tmp_path.glob("*.png"):
-                Image.open(picture).convert("RGB").quantize(96).save(Path(folder) / picture.name, optimize=True)
+                small = Image.open(picture).convert("RGB").quantize(256, kmeans=1)
+                small.save(Path(folder) / picture.name, optimize=True)
         return found
 
     return run

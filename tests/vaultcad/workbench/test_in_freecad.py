@@ -61,6 +61,11 @@ def test_what_cannot_be_is_refused_and_a_dead_worker_is_survived(in_freecad) -> 
     assert "VaultCad: Groin vault: span_x = 400 lies outside [0.5, 40] m; the last good value is back" in said
     assert found["thickness"] == 0
 
+    assert found["no_choice"] == {**start, "rise": 2500}
+    assert "rise_x 2: its profile makes it 2.5 m; choose one that has a rise ratio; the last good value is back" in said
+    assert found["rise"] == pytest.approx({"ratio": 0.4, "rise": 2000, "top": 2500})
+    assert found["fallen"] == start
+
     driven = found["expression"]
     assert "Invalid" in driven["states"]
     assert "span_x = 100 lies outside" in driven["why"]

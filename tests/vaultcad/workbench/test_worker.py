@@ -86,6 +86,15 @@ def test_shapes_come_as_they_are_made_here(worker: Any, tmp_path: Path, name: st
     assert set(solid["faces"]) <= set(solid["colours"])
 
 
+def test_a_length_decides_on_its_ratio(worker: Any, tmp_path: Path) -> None:
+    asked = {"family": "groin", "profiles": {"profile_x": "segmental"}, "path": str(tmp_path / "shape.brep")}
+    told = worker.ask("build", lengths={"rise_x": 1.5}, **asked)
+    assert told["sizes"]["rise_x"] == pytest.approx(1.5)
+    assert told["parameters"]["rise_ratio_x"] == pytest.approx(0.3)
+    with pytest.raises(client.RefusedError, match=r"rise_x 9: with the other sizes it can be 0.25 to 2.5 m"):
+        worker.ask("build", lengths={"rise_x": 9}, **asked)
+
+
 BAD = {
     "do": ({"do": "dance"}, 'cannot do "dance"; there are ping, families, build'),
     "nothing": ({}, "cannot do null"),

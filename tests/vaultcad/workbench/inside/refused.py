@@ -23,6 +23,10 @@ def work():
     document.recompute()
     found["thickness"] = obj.Thickness.Value
 
+    obj.RiseX = "2 m"  # its profile leaves no choice
+    document.recompute()
+    found["no_choice"] = {**given.state(obj), "rise": obj.RiseX.Value}
+
     obj.setExpression("SpanX", "100 m")
     document.recompute()
     found["expression"] = {**given.state(obj), "why": obj.getStatusString()}
@@ -30,6 +34,17 @@ def work():
     obj.SpanX = "5 m"
     document.recompute()
     found["mended"] = given.state(obj)
+
+    document.openTransaction("rise")
+    obj.ProfileX = "segmental"
+    document.recompute()
+    obj.RiseX = "2 m"
+    document.recompute()
+    document.commitTransaction()
+    found["rise"] = {"ratio": obj.RiseRatioX, "rise": obj.RiseX.Value, "top": obj.Shape.BoundBox.ZMax}
+    document.undo()
+    document.recompute()
+    found["fallen"] = given.state(obj)
 
     # Stopped, so that it is the rebuild that it dies in, however quick that is.
     first = client.BUILDER.pid

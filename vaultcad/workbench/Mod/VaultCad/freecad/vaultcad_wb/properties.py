@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from .catalogue import KINDS, SIGNED, Declaration, numbers, shown, title
+from .texts import translate
 
 HIDDEN, READ_ONLY, EDITABLE = 2, 1, 0  # FreeCAD's editor modes
+SAME = 1e-9  # [m]
 CLOSE = 1e-9  # share of a range by which a value may be off through the change of units
 
 
@@ -24,20 +26,21 @@ def add(obj: Any, declaration: Declaration) -> None:
             _add(obj, parameter["name"], _type(parameter), parameter["group"], text)
     for size in declaration["sizes"]:
         kind = SIGNED if size["kind"] == "length" else KINDS[size["kind"]].property
-        _add(obj, size["name"], kind, size["group"], size["meaning"])
+        text = "; " + translate("VaultCad", "edit it, and its ratio follows") if size["decides"] else ""
+        _add(obj, size["name"], kind, size["group"], size["meaning"] + text)
     for parameter in numbers(declaration, profiles(obj, declaration)):
         put(obj, parameter, parameter["default"])
     show(obj, declaration)
 
 
 def show(obj: Any, declaration: Declaration) -> None:
-    """Hide the parameters of profiles that are not chosen; sizes can be read alone. Documents do not keep this."""
+    """Hide the parameters of profiles that are not chosen, protect sizes that decide nothing. Documents lose this."""
     live = {parameter["name"] for parameter in numbers(declaration, profiles(obj, declaration))}
     for parameter in declaration["parameters"]:
         for name in _of_profiles(parameter):
             obj.setEditorMode(title(name), EDITABLE if name in live else HIDDEN)
     for size in declaration["sizes"]:
-        obj.setEditorMode(title(size["name"]), READ_ONLY)
+        obj.setEditorMode(title(size["name"]), EDITABLE if size["decides"] else READ_ONLY)
 
 
 def profiles(obj: Any, declaration: Declaration) -> dict[str, str]:
@@ -81,7 +84,13 @@ def choose(obj: Any, declaration: Declaration, chosen: dict[str, str], parameter
 def follow(obj: Any, declaration: Declaration, sizes: dict[str, float]) -> None:
     """Set the sizes that follow from the parameters [m or rad]."""
     for size in declaration["sizes"]:
-        setattr(obj, title(size["name"]), sizes[size["name"]] * KINDS[size["kind"]].factor)
+        put(obj, size, sizes[size["name"]])
+
+
+def lengths(obj: Any, declaration: Declaration, sizes: dict[str, float]) -> dict[str, float]:
+    """Sizes [m] that were edited since they were `sizes`, and decide on a parameter."""
+    held = {s["name"]: getattr(obj, title(s["name"])).Value / KINDS[s["kind"]].factor for s in _deciding(declaration)}
+    return {name: value for name, value in held.items() if name in sizes and abs(value - sizes[name]) > SAME}
 
 
 def refit(obj: Any, declaration: Declaration, changed: str) -> None:
@@ -92,6 +101,10 @@ def refit(obj: Any, declaration: Declaration, changed: str) -> None:
                 if not parameter["low"] <= get(obj, parameter) <= parameter["high"]:
                     put(obj, parameter, parameter["default"])
             show(obj, declaration)
+
+
+def _deciding(declaration: Declaration) -> list[dict[str, Any]]:
+    return [size for size in declaration["sizes"] if size["decides"]]
 
 
 def _add(obj: Any, name: str, kind: str, group: str, text: str) -> None:

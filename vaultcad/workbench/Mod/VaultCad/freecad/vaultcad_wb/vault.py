@@ -18,7 +18,7 @@ from .texts import complain, translate
 MM = 1000.0
 HIDDEN = properties.HIDDEN
 INNER = (  # what the object keeps for itself, undone and saved like the rest
-    ("App::PropertyString", "Built", "the request that the shape answers"),
+    ("App::PropertyString", "Built", "the request that the shape answers, and its sizes"),
     ("App::PropertyString", "Report", "what the fit found, as JSON"),
     ("App::PropertyColorList", "FaceColors", "colour of each face"),
 )
@@ -76,14 +76,14 @@ class Vault:
             RuntimeError: there is no last good one, an expression sets the value, or the worker ended. FreeCAD shows
                 the reason at the object, whose last good shape stays.
         """
-        request = self.request(obj)
-        asked = json.dumps(request, sort_keys=True)
-        if asked == obj.Built and not obj.Shape.isNull():
+        request, built = self.request(obj), json.loads(obj.Built or "{}")
+        lengths = properties.lengths(obj, self.declaration, built.get("sizes", {}))
+        if request == built.get("request") and not lengths and not obj.Shape.isNull():
             return
         with tempfile.TemporaryDirectory(prefix="vaultcad-") as folder:
             path = Path(folder) / "shape.brep"
             try:
-                reply = BUILDER.ask("build", path=str(path), **request)
+                reply = BUILDER.ask("build", path=str(path), lengths=lengths, **request)
             except RefusedError as error:
                 if not obj.Built or obj.ExpressionEngine:
                     raise RuntimeError(f"{obj.Label}: {error}") from None
@@ -100,8 +100,9 @@ class Vault:
         obj.Shape = whole
         obj.FaceNames = reply["faces"]
         obj.FaceColors = [(*reply["colours"][name], 0.0) for name in reply["faces"]]
+        properties.choose(obj, self.declaration, request["profiles"], reply["parameters"])
         properties.follow(obj, self.declaration, reply["sizes"])
-        obj.Built = asked
+        obj.Built = json.dumps({"request": self.request(obj), "sizes": reply["sizes"]})
 
     def request(self, obj: Any) -> dict[str, Any]:
         """What the worker is asked: family, profiles, parameters and thickness, in metres and radians."""
@@ -133,7 +134,9 @@ class Vault:
     __getstate__, __setstate__ = dumps, loads  # the names that FreeCAD 0.20 knows them by
 
     def _restore(self, obj: Any) -> None:
-        good = json.loads(obj.Built)
+        built = json.loads(obj.Built)
+        good = built["request"]
+        properties.follow(obj, self.declaration, built["sizes"])
         properties.choose(obj, self.declaration, good["profiles"], good["parameters"])
         obj.Thickness = good["thickness"] * MM
 
