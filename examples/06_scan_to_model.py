@@ -15,7 +15,7 @@ from segmentation import read, write_labelled
 from vaultcad.as_built import displacement
 from vaultcad.deviation import summarise
 from vaultcad.label import label
-from vaultcad.recognise import confidence, count_blocks, recognise
+from vaultcad.recognise import confidence, recognise
 from vaultcad.refine import refine
 from vaultcad.site import survey
 
@@ -36,7 +36,7 @@ def main(out: Path, scan: Path = ROOM) -> None:
         print(f"{hypothesis.vault.title:14} score {hypothesis.score:10.1f}, confidence {share:.3f}")
 
     # Fit all parameters and the pose of the winner together.
-    refined = refine(hypotheses[0], site, count_blocks(site), rng)
+    refined = refine(hypotheses[0], site, rng)
     vault, pose = refined.placed.vault, refined.placed.pose
     print(f"{vault}, turned by {degrees(pose.yaw):.2f}°")
 

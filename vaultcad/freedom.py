@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from families import Vault
+from families import PROFILES, Profile, Vault
 from families.constraints import Constraint
-from families.lengths import RATIOS, with_lengths
+from families.lengths import RATIOS
 
+EXACT = 1e-6  # of sizes that are fixed
 Tie = Callable[[Vault], Mapping[str, float]]
+
+DECIDES: dict[str, dict[str, str]] = {**RATIOS, "dome": {**RATIOS["dome"], "rise": "drum_ratio"}}
+"""Family -> derived length -> the one parameter that decides it in a fit; each is monotonic in that."""
+LEVEL = {("groin", "rise")}
+"""Family and length that is the rise of both its barrels, the crown being level."""
 
 SPRINGING = Constraint("springing", "the springing is no lower than the lowest stone that the scan shows")
 """The one constraint that all families share, as it is about the pose."""
@@ -47,25 +53,49 @@ class Demands:
     pose: Mapping[str, float] = field(default_factory=dict)
     freed: frozenset[str] = frozenset()
 
+    def of(self, family: str) -> dict[str, float]:
+        """The sizes in terms that each hang on one parameter of a family."""
+        found: dict[str, float] = {}
+        for name, value in self.sizes.items():
+            found |= {"rise_x": value, "rise_y": value, "crown_rise": 0.0} if (family, name) in LEVEL else {name: value}
+        return found
+
     def suits(self, vault: Vault) -> bool:
-        """Whether a vault has all the sizes that are fixed, and its whole numbers are as they should be."""
-        values, lengths = vault.values(), RATIOS[vault.id]
-        whole = {p.name for p in vault.parameters() if p.integer}
-        return all(
-            (values[name] == value if name in whole else True) if name in values else lengths.get(name) in values
-            for name, value in self.sizes.items()
-        )
+        """Whether a vault can have all the sizes that are fixed, and its whole numbers are as they should be."""
+        values, lengths, own = vault.values(), DECIDES[vault.id], {p.name: p for p in vault.parameters()}
+
+        def can(name: str, value: float) -> bool:
+            if name not in own:
+                return lengths.get(name) in own
+            p = own[name]
+            return value == values[name] if p.integer else p.range.low <= value <= p.range.high
+
+        return all(can(name, value) for name, value in self.of(vault.id).items())
+
+    def suited(self, vault: Vault) -> Vault | None:
+        """The vault, or the first with other profiles that has all sizes; None if none has."""
+        if self.suits(vault):
+            return vault
+        places = [name for name, value in vars(vault).items() if isinstance(value, Profile)]
+        others = (replace(vault, **{name: kind()}) for name in places for kind in PROFILES)
+        every = (replace(vault, **{name: kind() for name in places}) for kind in PROFILES)
+        return next((other for other in (*others, *every) if self.suits(other)), None)
 
     def begun(self, vault: Vault) -> Vault:
         """The vault with the sizes that are fixed, as near as it can be."""
         return self.freedom(vault).settled(vault, {})
 
+    def met(self, vault: Vault) -> bool:
+        """Whether the sizes of a vault are those that are fixed."""
+        made = {**vault.derived_values(), **vault.values()}
+        return all(abs(made[name] - value) < EXACT for name, value in self.sizes.items())
+
     def freedom(self, vault: Vault, kept: Sequence[Constraint] = ()) -> Freedom:
         """All that may move while the constraints are kept."""
-        own, lengths = vault.values(), RATIOS[vault.id]
-        values = {name: value for name, value in self.sizes.items() if name in own}
-        made = [name for name in self.sizes if name not in own]
-        ties: list[Tie] = [_made(name, self.sizes[name]) for name in made]
+        own, lengths, sizes = vault.values(), DECIDES[vault.id], self.of(vault.id)
+        values = {name: value for name, value in sizes.items() if name in own}
+        made = [name for name in lengths if name in sizes and name not in own]
+        ties: list[Tie] = [_made(name, sizes[name]) for name in made]
         taken = {*values, *(lengths[name] for name in made)}
         for constraint in kept:
             decided = constraint.holds(vault)
@@ -92,12 +122,17 @@ def _made(name: str, length: float) -> Tie:
     """The parameter that makes a derived length as given [m], or as near as can be with the other sizes."""
 
     def tie(vault: Vault) -> Mapping[str, float]:
-        ratio = RATIOS[vault.id][name]
-        try:
-            return {ratio: with_lengths(vault, {name: length}).values()[ratio]}
-        except ValueError:
-            limits = next(p.range for p in vault.parameters() if p.name == ratio)
-            ends = [(vault.replaced({ratio: end}).derived_values()[name], end) for end in (limits.low, limits.high)]
-            return {ratio: min(ends, key=lambda pair: abs(pair[0] - length))[1]}
+        from scipy.optimize import brentq
+
+        ratio = DECIDES[vault.id][name]
+        limits = next(p.range for p in vault.parameters() if p.name == ratio)
+
+        def miss(value: float) -> float:
+            return vault.replaced({ratio: value}).derived_values()[name] - length
+
+        ends = [(limits.low, miss(limits.low)), (limits.high, miss(limits.high))]
+        if ends[0][1] * ends[1][1] > 0:
+            return {ratio: min(ends, key=lambda end: abs(end[1]))[0]}
+        return {ratio: brentq(miss, limits.low, limits.high, xtol=1e-13)}
 
     return tie

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
 from vaultcad.as_built import displacement
 from vaultcad.coverage import look
+from vaultcad.demands import demand
 from vaultcad.deviation import summarise
 from vaultcad.errors import NoVaultError
 from vaultcad.estimates import estimates
@@ -41,6 +42,8 @@ class Settings:
     families: tuple[type[Vault], ...] = FAMILIES
     seed: int = 0
     thickness: float = 0.15  # m, of the solid
+    fix: Mapping[str, float] = field(default_factory=dict)  # sizes, parts of the pose in the scan [m, rad, 1]
+    free: tuple[str, ...] = ()  # names of constraints that are not kept
 
 
 @dataclass(frozen=True)
@@ -63,13 +66,15 @@ def fit_scan(cloud: Cloud, settings: Settings = Settings(), *, progress: Progres
 
     Raises:
         NoVaultError: the scan is too small, or no family explains what stands above its floor.
+        ValueError: `fix` or `free` name what there is not; says what there is.
     """
+    families, demands = demand(settings.families, settings.fix, settings.free, cloud.origin.tolist())
     seconds: dict[str, float] = {}
     rng = np.random.default_rng(settings.seed)
     with _stage("thinning", seconds, progress):
         thin = thin_scan(cloud)
     with _stage("finding", seconds, progress):
-        found = find_vaults(thin, cloud.xyz, settings.families, rng)
+        found = find_vaults(thin, cloud.xyz, families, rng, demands)
     bands = [(one.placed, one.tolerance) for one in found]
     with _stage("labelling", seconds, progress):
         labels, thinned = label(cloud.xyz, bands), label(thin.points, bands)
@@ -87,6 +92,8 @@ def fit_scan(cloud: Cloud, settings: Settings = Settings(), *, progress: Progres
             "families": [f.id for f in settings.families],
             "seed": settings.seed,
             "thickness": settings.thickness,
+            "fix": dict(settings.fix),
+            "free": sorted(settings.free),
             "up": cloud.up,
             "voxel": round(thin.spacing, 4),
         },

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from math import exp, log
+from math import exp, inf, log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,9 +31,9 @@ HOPELESS = 2.5  # a family whose cost is this much above the best one's is not r
 
 @dataclass(frozen=True)
 class Hypothesis:
-    """One family fitted to the site. score: the lower the better; differences are twice those of a log likelihood.
+    """One family fitted to the site. kept: the constraints that it was fitted under.
 
-    kept: the constraints that it was fitted under.
+    score: the lower the better; differences are twice those of a log likelihood; infinite without a size that is fixed.
     """
 
     solution: Solution
@@ -65,6 +65,7 @@ def recognise(
     if not rough:
         raise NoVaultError(
             "no vault found: nothing above the floor has the plan of a vault; scan a whole bay, or crop to it"
+            + (", or fix other sizes" if demands.sizes or demands.pose else "")
         )
     costs = [some.cost(placed, MIDDLE) for placed in rough]
     hopeful = [placed for placed, cost in zip(rough, costs, strict=True) if cost <= HOPELESS * min(costs)]
@@ -76,7 +77,11 @@ def recognise(
         judge.best_variant(placed) if telling.cost(placed, scale) <= HOPELESS * least else judge.of(placed)
         for placed in rough
     ]
-    proper = [h for h in fitted if is_its_family(h.vault)] or fitted
+    met = [h for h in fitted if h.score < inf]
+    if not met:
+        asked = ", ".join(f"{name} = {value:g}" for name, value in demands.sizes.items())
+        raise NoVaultError(f"no vault found: none that fits the scan can have {asked}")
+    proper = [h for h in met if is_its_family(h.vault)] or met
     return tuple(sorted(proper, key=lambda h: h.score))
 
 
@@ -122,7 +127,8 @@ class _Judge:
         integers = sum(p.integer for p in placed.vault.parameters())
         likelihood = INDEPENDENT * log(cost + (FLOOR / self.scale) ** 2)
         score = likelihood + (len(free.names) + integers) * log(INDEPENDENT)
-        return Hypothesis(solution, free, tuple(kept), cost, score)
+        met = self.demands.met(solution.placed.vault)
+        return Hypothesis(solution, free, tuple(kept), cost, score if met else inf)
 
     def best_variant(self, placed: Placed) -> Hypothesis:
         """The fit with the most likely kind of profile in each place, and with the constraints that cost little."""
@@ -169,8 +175,3 @@ def _as(kind: type[Profile], profile: Profile) -> Profile | None:
         if (made := kind.over(near)) is not None:
             return made
     return kind.over(0.5) if abs(ratio - 0.5) < 0.1 else None
-
-
-def count_blocks(site: Site) -> int:
-    """Number of blocks of space that hold points."""
-    return 0

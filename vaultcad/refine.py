@@ -42,9 +42,7 @@ class Refined:
         return self.solution.placed
 
 
-def refine(
-    winner: Hypothesis, site: Site, blocks: int, rng: np.random.Generator, *, demands: Demands = NONE
-) -> Refined:
+def refine(winner: Hypothesis, site: Site, rng: np.random.Generator, *, demands: Demands = NONE) -> Refined:
     """Fit the winner to up to `POINTS` points of the site, narrowing the loss to the scatter that is left.
 
     Constraints that seldom fail are let go where that pays, the others are kept where that costs nothing; the price of
@@ -62,7 +60,7 @@ def refine(
             best = less if fit.gain(more, less) > price else more
     # What is reported are the deviations of the vault's points: walls only help, and what is seen well counts more.
     weights = np.where(site.weights < 1, WALLS, 1.0) * np.sqrt(site.counts)
-    last = _Fit(Evidence.draw(site, POINTS, rng, demands, weights=weights), demands, LAST)
+    last = _Fit(Evidence.draw(site, POINTS, rng, demands, weights=weights), demands, LAST, 60)
     return last(best.placed, best.kept)
 
 
@@ -73,13 +71,14 @@ class _Fit:
     evidence: Evidence
     demands: Demands
     close: float = CLOSE
+    most: int = 15
 
     def __call__(self, start: Placed, kept: Sequence[Constraint]) -> Refined:
         free = self.demands.freedom(start.vault, kept)
-        solution = self.evidence.solve(start, free, (WIDEST,), gain=self.close)
+        solution = self.evidence.solve(start, free, (WIDEST,), most=self.most, gain=self.close)
         for _ in range(3):
             scale = float(np.clip(4 * _scatter(solution), TIGHTEST, WIDEST))
-            solution = self.evidence.solve(solution.placed, free, (scale,), gain=self.close)
+            solution = self.evidence.solve(solution.placed, free, (scale,), most=self.most, gain=self.close)
         return Refined(solution, self.evidence.points, _scatter(solution), tuple(kept))
 
     def gain(self, worse: Refined, better: Refined) -> float:

@@ -13,7 +13,8 @@ from families import Lunette, Vault
 from vaultcad.arches import bay_of, without_arches
 from vaultcad.bays import Ceiling, Region
 from vaultcad.errors import NoVaultError
-from vaultcad.recognise import Hypothesis, count_blocks, recognise
+from vaultcad.freedom import NONE, Demands
+from vaultcad.recognise import Hypothesis, recognise
 from vaultcad.refine import Refined, refine
 from vaultcad.site import STEEP, Site, Thin, find_site
 from vaultcad.solve import Placed
@@ -48,14 +49,18 @@ class Found:
 
 
 def find_vaults(
-    thin: Thin, xyz: NDArray[np.floating], families: Sequence[type[Vault]], rng: np.random.Generator
+    thin: Thin,
+    xyz: NDArray[np.floating],
+    families: Sequence[type[Vault]],
+    rng: np.random.Generator,
+    demands: Demands = NONE,
 ) -> tuple[Found, ...]:
-    """All vaults of a scan, from its thinned points and all of them (n, 3) [m].
+    """All vaults of a scan, from its thinned points and all of them (n, 3) [m], with what is demanded of each.
 
     Raises:
         NoVaultError: there is none.
     """
-    search = _Search(thin, xyz, Ceiling.of(thin), tuple(families), rng)
+    search = _Search(thin, xyz, Ceiling.of(thin), tuple(families), rng, demands)
     found = search.region(search.ceiling.room)
     if not found:
         raise search.refusals[0]
@@ -71,6 +76,7 @@ class _Search:
     ceiling: Ceiling
     families: tuple[type[Vault], ...]
     rng: np.random.Generator
+    demands: Demands = NONE
     refusals: list[NoVaultError] = field(default_factory=list)
 
     def region(self, region: Region, *, part: bool = False) -> list[Found]:
@@ -131,8 +137,8 @@ class _Search:
             NoVaultError: none is near enough to what hangs there.
         """
         site = find_site(thin, xyz)
-        hypotheses = recognise(site, self.rng, families=self.families)
-        refined = refine(hypotheses[0], site, count_blocks(site), self.rng)
+        hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
+        refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
         found = Found(site, hypotheses, refined, float(np.clip(BAND * refined.scatter, *TOLERANCE)))
         check(found.placed, site, found.tolerance)
         return found

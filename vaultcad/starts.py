@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import product
 from math import hypot, pi
 
@@ -41,10 +42,16 @@ def starts(family: type[Vault], site: Site, demands: Demands = NONE) -> Iterator
     x, y = site.centre.tolist()
     for quarter in _quarters(family, site, demands):
         spans = site.spans[::-1] if quarter % 2 else site.spans
-        for vault, rise in _suited(GRIDS[family](float(spans[0]), float(spans[1])), demands):
+        for vault, rise in _suited(_possible(GRIDS[family](float(spans[0]), float(spans[1]))), demands):
             z = demands.pose.get("z", site.crown - rise)
             if z >= lowest:
                 yield Placed(vault, Pose(x, y, z, site.yaw + quarter * pi / 2))
+
+
+def _possible(grid: Iterator[tuple[Vault, float]]) -> Iterator[tuple[Vault, float]]:
+    """The grid, or nothing where the plan is smaller or larger than the family's may be."""
+    with suppress(ValueError):
+        yield from grid
 
 
 def _suited(grid: Iterator[tuple[Vault, float]], demands: Demands) -> Iterator[tuple[Vault, float]]:
@@ -53,9 +60,10 @@ def _suited(grid: Iterator[tuple[Vault, float]], demands: Demands) -> Iterator[t
         yield from grid
         return
     for vault, _ in grid:
-        if demands.suits(vault):
-            begun = demands.begun(vault)
-            yield begun, begun.derived_values()["rise"]
+        if (suited := demands.suited(vault)) is not None:
+            begun = demands.begun(suited)
+            if demands.met(begun):
+                yield begun, begun.derived_values()["rise"]
 
 
 def _quarters(family: type[Vault], site: Site, demands: Demands) -> tuple[int, ...]:

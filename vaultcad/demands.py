@@ -1,0 +1,78 @@
+"""What a user asks of a fit, by names: sizes to be fixed and constraints to be let go."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from itertools import chain
+from math import inf, isfinite, pi
+
+from families import PROFILES, Profile, Vault
+from families.constraints import Constraint
+from families.parameters import Range, derived_declarations
+from vaultcad.freedom import DECIDES, LEVEL, SPRINGING, Demands
+
+PLACE = {
+    "x": Range(-inf, inf, "m", "middle of the plan, in the scan's coordinates"),
+    "y": Range(-inf, inf, "m", "middle of the plan, in the scan's coordinates"),
+    "springing": Range(-inf, inf, "m", "height of the springing, in the scan's coordinates"),
+    "yaw": Range(-2 * pi, 2 * pi, "rad", "turn of the vault's x axis"),
+}
+"""Parts of the pose that can be fixed."""
+
+
+def demand(
+    families: Sequence[type[Vault]],
+    fix: Mapping[str, float],
+    free: Iterable[str],
+    origin: Sequence[float] = (0.0, 0.0, 0.0),
+) -> tuple[tuple[type[Vault], ...], Demands]:
+    """The families that have all sizes to be fixed, and what is then asked of each.
+
+    Args:
+        families: to choose from.
+        fix: value [m, rad or 1] by the name of a parameter, of a length that follows, or of a part of the pose.
+        free: names of constraints.
+        origin: (3,) of the local frame, in the scan's coordinates [m].
+
+    Raises:
+        ValueError: a name that is none, or a value that cannot be; names the value, and what exists.
+    """
+    sizes = {cls: sizes_of(cls) for cls in families}
+    for name, value in fix.items():
+        ranges = [own[name] for own in (PLACE, *sizes.values()) if name in own]
+        if not ranges:
+            known = dict.fromkeys(chain(*sizes.values(), PLACE))
+            raise ValueError(f"no size {name!r} to fix; there are {', '.join(known)}")
+        low, high = min(r.low for r in ranges), max(r.high for r in ranges)
+        if not isfinite(value) or not low <= value <= high:
+            raise ValueError(f"{name} = {value:g} cannot be; it is {low:g} to {high:g} {ranges[0].unit}")
+    known = dict.fromkeys(c.name for cls in families for c in constraints_of(cls))
+    freed = frozenset(name.strip().replace(" ", "-").replace("_", "-") for name in free)
+    for name in sorted(freed - set(known)):
+        raise ValueError(f"no constraint {name!r} to let go; there are {', '.join(known)}")
+
+    own = {name: value for name, value in fix.items() if name not in PLACE}
+    chosen = tuple(cls for cls in families if set(own) <= set(sizes[cls]))
+    if not chosen:
+        raise ValueError(f"no family has all of {', '.join(own)}; fix sizes of one family, see vaultcad families")
+    local = dict(zip(("x", "y", "springing"), origin, strict=True))
+    pose = {{"springing": "z"}.get(k, k): v - local.get(k, 0.0) for k, v in fix.items() if k in PLACE}
+    return chosen, Demands(own, pose, freed)
+
+
+def sizes_of(cls: type[Vault]) -> dict[str, Range]:
+    """All sizes of a family that can be fixed, whatever its profiles are: parameters, then lengths that follow."""
+    vault = cls()
+    vaults = [vault]
+    for name in [name for name, value in vars(vault).items() if isinstance(value, Profile)]:
+        vaults += [replace(vault, **{name: kind()}) for kind in PROFILES]
+    derived = derived_declarations(cls)
+    lengths = [*DECIDES[cls.id], *(name for family, name in LEVEL if family == cls.id)]
+    found = {p.name: p.range for one in vaults for p in one.parameters()}
+    return found | {name: Range(-inf, inf, "m", derived[name].meaning) for name in lengths}
+
+
+def constraints_of(cls: type[Vault]) -> tuple[Constraint, ...]:
+    """All constraints of a family that can be let go."""
+    return (SPRINGING, *cls.constraints)
