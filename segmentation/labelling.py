@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from segmentation.primitives_numeric import gradient
+from segmentation.primitives_numeric import gradient, gradients
 from segmentation.ransac_cloud import WorkingCloud
 from segmentation.ransac_search import Shapes, gaps
 
@@ -32,11 +32,13 @@ class Regions:
 
     candidates: (m, CANDIDATES) components near the cell, 0 padded. owner: (c + 1,) primitive of each component.
     side: (k, k) +1 or -1 for the side of primitive b that a's points lie on, 0 where they lie on both.
+    turn: (k, k, 3) direction in which a's normals lean from b's at the points of a, where the two touch; else zero.
     """
 
     candidates: Ints
     owner: Ints
     side: Floats
+    turn: Floats
 
 
 def regions(cloud: WorkingCloud, labels: Ints, components: Ints, shapes: Shapes) -> Regions:
@@ -61,7 +63,8 @@ def regions(cloud: WorkingCloud, labels: Ints, components: Ints, shapes: Shapes)
     kept = rank < CANDIDATES
     candidates = np.zeros((len(cloud), CANDIDATES), dtype=np.int64)
     candidates[cell[kept], rank[kept]] = component[kept]
-    return Regions(candidates, owner, _sides(cloud, labels, shapes))
+    side = _sides(cloud, labels, shapes)
+    return Regions(candidates, owner, side, _turns(cloud, labels, shapes, side))
 
 
 def _around(cloud: WorkingCloud, cell: Ints, component: Ints) -> tuple[Ints, Ints]:
@@ -86,6 +89,36 @@ def _sides(cloud: WorkingCloud, labels: Ints, shapes: Shapes) -> Floats:
     return side
 
 
+def _turns(cloud: WorkingCloud, labels: Ints, shapes: Shapes, side: Floats) -> Floats:
+    """How the normals of primitives a and b tell whose a point is where they touch, (k, k, 3); zero where they do not.
+
+    A sphere's normal is that of the drum under it on their common circle, and leans up above it, down below. Distances
+    to the two hardly differ there, so that noise would decide.
+    """
+    turn = np.zeros((len(shapes), len(shapes), 3))
+    distance, normal = np.empty(len(cloud)), np.empty((len(shapes), len(cloud), 3))
+    near = np.empty((len(shapes), len(cloud)), dtype=np.bool_)
+    for k, kind in enumerate(shapes.kinds):
+        gradients(kind, shapes.rows[k], cloud.mean, distance, normal[k])
+        near[k] = np.abs(distance) < max(cloud.epsilon, 0.5 * cloud.size)
+    for a, b in np.argwhere(np.tril(side * side.T)):
+        at = np.flatnonzero(near[a] & near[b] & ((labels == a) | (labels == b)))
+        cosine = np.einsum("ij,ij->i", normal[a, at], normal[b, at])
+        alike = np.abs(cosine) > TANGENT
+        at, sign = at[alike], np.sign(cosine[alike])
+        lean = normal[a, at] - sign[:, None] * normal[b, at]
+        mine = np.where(labels[at] == a, 1.0, -1.0)
+        total = mine @ lean
+        length = float(np.sqrt(total @ total))
+        if length == 0.0 or abs(mine.sum()) == len(mine):
+            continue
+        across = lean @ total / length
+        if mine @ across > (2.0 * ONE_SIDED - 1.0) * np.abs(across).sum():
+            turn[a, b] = total / length
+            turn[b, a] = math.copysign(1.0, sign.sum()) * turn[a, b]
+    return turn
+
+
 def label_points(
     xyz: NDArray[np.floating], cloud: WorkingCloud, shapes: Shapes, found: Regions, components: Ints, noise: float
 ) -> tuple[NDArray[np.uint16], Ints, Floats]:
@@ -94,7 +127,7 @@ def label_points(
 
     A point goes to the component whose primitive is nearest, of those in its cell and the cells around, within epsilon;
     where two primitives bound each other, to the one it belongs to by side, on which noise has no influence. Where
-    they touch, neither helps against `noise` [m]: there a point goes with its cell, whose mean has less.
+    they touch, their normals tell, on which it has little; or else, within `noise` [m], a point goes with its cell.
     """
     lattice = np.floor(cloud.raw * (1 / cloud.size)).astype(np.int64)
     low = lattice.min(axis=0)
@@ -111,7 +144,7 @@ def label_points(
         stop = min(start + CHUNK, len(xyz))
         _label(
             xyz[start:stop], labels[start:stop], 1 / cloud.size, low, keys, table,
-            found.candidates, found.owner, found.side, shapes.kinds, shapes.rows, cloud.epsilon, noise,
+            found.candidates, found.owner, found.side, found.turn, shapes.kinds, shapes.rows, cloud.epsilon, noise,
             ends, cloud.head, cloud.raw, components, count, square,
         )  # fmt: skip
         return count, square
@@ -142,7 +175,7 @@ def _index(keys: Ints, table: NDArray[np.int32]) -> None:
 def _label(
     xyz: NDArray[np.floating], labels: NDArray[np.uint16],
     scale: float, low: Ints, keys: Ints, table: NDArray[np.int32],
-    candidates: Ints, owner: Ints, side: Floats, kinds: Ints, rows: Floats, epsilon: float, noise: float,
+    candidates: Ints, owner: Ints, side: Floats, turn: Floats, kinds: Ints, rows: Floats, epsilon: float, noise: float,
     ends: Ints, head: Ints, raw: Floats, components: Ints, count: Ints, square: Floats,
 ) -> None:  # fmt: skip
     last, cell = np.int64(-1), np.int64(-1)
@@ -180,7 +213,12 @@ def _label(
                 q = owner[best]
                 parallel = nx * best_nx + ny * best_ny + nz * best_nz
                 facing = side[p, q] * side[q, p] * parallel
-                if facing <= 0.0 and abs(parallel) > TANGENT and max(abs(d), abs(best_distance)) < noise:
+                tx, ty, tz = turn[p, q, 0], turn[p, q, 1], turn[p, q, 2]
+                if facing < 0.0 and abs(parallel) > TANGENT and (tx != 0.0 or ty != 0.0 or tz != 0.0):
+                    sign = 1.0 if parallel > 0.0 else -1.0
+                    lean = (nx - sign * best_nx) * tx + (ny - sign * best_ny) * ty + (nz - sign * best_nz) * tz
+                    wins = lean > 0.0
+                elif facing <= 0.0 and abs(parallel) > TANGENT and max(abs(d), abs(best_distance)) < noise:
                     wins = components[cell] > 0 and owner[components[cell]] == p
                 elif side[p, q] * side[q, p] != 0.0:
                     wins = side[p, q] * best_distance > side[q, p] * d

@@ -8,7 +8,7 @@ import pytest
 from families import Barrel, Dome, Groin, Lunette, Mirror, Sail, Trough
 from families.sampling import sample
 from segmentation import PRESETS, Settings, compare, detect
-from segmentation.primitives import Cylinder, Plane, Sphere
+from segmentation.primitives import Cylinder, Plane, Sphere, Torus
 from segmentation.ransac import ROUNDS
 
 # the sizes of the paper's ideal models
@@ -44,6 +44,12 @@ def test_every_component_of_an_ideal_vault_is_found(vault, seed):
 def test_normals_may_be_estimated_and_points_noisy(vault):
     xyz, _, truth = cloud(vault, noise=0.003)
     assert compare(detect(xyz).labels, truth).mean_iou > 0.93
+
+
+@pytest.mark.parametrize("vault", [MIRROR, DOME], ids=lambda v: type(v).id)
+def test_noise_does_not_blur_the_line_where_primitives_touch(vault):
+    xyz, _, truth = cloud(vault, noise=0.003)
+    assert compare(detect(xyz).labels, truth).mean_iou > 0.97
 
 
 def test_the_same_seed_gives_the_same_bytes_and_another_the_same_vault():
@@ -84,6 +90,16 @@ def test_more_kinds_make_no_difference(vault):
     found = detect(xyz, normals, Settings(primitives=ALL_KINDS))
     assert {s.primitive.name for s in found.shapes} <= {"sphere", "cylinder"}
     assert compare(found.labels, truth).least_iou > 0.98
+
+
+def test_a_torus_is_found_where_tori_are_on():
+    rng = np.random.default_rng(13)
+    u, v = np.pi * rng.random((2, 30_000))
+    ring = 3.0 + np.cos(v)
+    xyz = np.column_stack((ring * np.cos(u), ring * np.sin(u), np.sin(v))) + 0.002 * rng.normal(size=(30_000, 3))
+    shapes = detect(xyz, settings=Settings(primitives=ALL_KINDS)).shapes
+    assert [type(s.primitive) for s in shapes] == [Torus]
+    assert (shapes[0].primitive.major, shapes[0].primitive.minor) == pytest.approx((3.0, 1.0), abs=0.001)
 
 
 @pytest.mark.parametrize("vault", [SAIL, TROUGH, GROIN], ids=lambda v: type(v).id)

@@ -41,7 +41,7 @@ def segment(
     up: Annotated[Axis, typer.Option(help="The axis that is up in the scan.")] = "z",
     seed: Seed = 0,
 ) -> None:
-    """Label the planes, spheres, cylinders and cones of a scan.
+    """Label the planes, spheres and cylinders of a scan; cones and tori too, if asked for.
 
     Every point is written with the extra dimension `component`, 0 for none. Parameters are those of Schnabel, Wahl
     and Klein (2007); what is not given is chosen by the cloud's own spacing and noise.
