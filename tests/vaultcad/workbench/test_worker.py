@@ -193,7 +193,7 @@ def test_a_scan_is_read_and_fitted_in_a_box(worker: Any, tmp_path: Path) -> None
     assert stages[0] == ("reading", 0)
     (vault,) = reply["result"]["vaults"]
     assert vault["family"] == "groin"
-    assert vault["estimates"]["span_x"]["std"] < 0.01
+    assert 0 < vault["estimates"]["span_x"]["std"] < 0.05
     assert vault["bay"] is None
     d = np.frombuffer(deviations.read_bytes(), "<f4")
     assert len(d) == n
