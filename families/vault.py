@@ -7,7 +7,7 @@ from abc import abstractmethod
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,6 +117,12 @@ class Vault(Parametric):
         from families import brep
 
         return brep.named_faces(shape, self)
+
+    def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, Any]:
+        """What a notebook shows."""
+        from families import notebook
+
+        return notebook.bundle(self)
 
     def sample(self, count: int, rng: np.random.Generator) -> Sample:
         """`count` points spread evenly over the intrados, with normals and components."""

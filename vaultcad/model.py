@@ -116,6 +116,12 @@ class FittedVault:
     covariance: Covariance | None = None
     tolerance: float = 0.03  # m, half of the band that its points lie in
 
+    def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, Any]:
+        """What a notebook shows."""
+        from vaultcad import notebook
+
+        return notebook.of_fitted(self)
+
 
 @dataclass(frozen=True)
 class Model:
@@ -130,3 +136,9 @@ class Model:
     settings: Mapping[str, Any] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)  # stage -> time; the one part that is not reproducible
+
+    def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, Any]:
+        """What a notebook shows."""
+        from vaultcad import notebook
+
+        return notebook.of_model(self)

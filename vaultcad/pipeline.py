@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +60,12 @@ class Result:
     component: NDArray[np.uint16]
     vault: NDArray[np.uint16]
     deviation: Array
+
+    def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, Any]:
+        """What a notebook shows."""
+        from vaultcad import notebook
+
+        return notebook.of_result(self)
 
 
 def fit_scan(cloud: Cloud, settings: Settings = Settings(), *, progress: Progress = lambda stage: None) -> Result:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DPI = 110
-WIDE, PANEL, FIGURES = 16.6, 5.8, 3.3  # [inch] the picture, a drawing, the column of figures
+WIDE, PANEL, FIGURES = 17.0, 5.8, 3.7  # [inch] the picture, a drawing, the column of figures
 MARGIN, HEAD, GAP, LINE, OVERVIEW = 0.4, 1.3, 0.35, 0.22, 7.0  # [inch]
 UNLIKELY = 0.001  # alternatives below that confidence go without saying
 WARNING = "#b00020"
@@ -154,7 +154,8 @@ def _figures(sheet: Sheet, seen: Seen) -> None:
 def _rows(fitted: FittedVault) -> list[tuple[str, str, str, str]]:
     """Lines of name, value, what follows it, and the colour of its mark."""
     d, empty = fitted.deviation, ("", "", "", "")
-    rows = [(name, *_estimate(e), "") for name, e in fitted.parameters.items() if e.unit in {"m", "rad"}]
+    sizes = {name: e for name, e in fitted.parameters.items() if e.unit in {"m", "rad"}}
+    rows = [(name, *_estimate(e), WARNING if e.flags else "") for name, e in sizes.items()]
     rows += [
         empty,
         ("deviation, rms", f"{1000 * d.rms:.1f} mm", "", ""),
@@ -168,10 +169,11 @@ def _rows(fitted: FittedVault) -> list[tuple[str, str, str, str]]:
 
 
 def _estimate(estimate: Estimate) -> tuple[str, str]:
+    """A length or an angle, and how sure it is."""
     e = shown(estimate)
-    if e.unit == "m":
-        return f"{e.value:.3f} m", f"± {1000 * e.std:.1f} mm" if e.std else ""
-    return f"{e.value:.2f}°", f"± {e.std:.2f}°" if e.std else ""
+    length = e.unit == "m"
+    std = (f"± {1000 * e.std:.1f} mm" if length else f"± {e.std:.2f}°") if e.std else ""
+    return f"{e.value:.3f} m" if length else f"{e.value:.2f}°", " ".join([std, *e.flags]).strip()
 
 
 def _overview(sheet: Sheet, scan: str, found: list[Seen]) -> None:

@@ -1,0 +1,210 @@
+"""How a vault shows itself in a notebook: sections and a table of sizes, and a 3D view where plotly is installed.
+
+The view goes along as plotly's own figure (application/vnd.plotly.v1+json): JupyterLab and VS Code draw it if they can,
+and the page in HTML otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import lru_cache
+from html import escape
+from importlib.util import find_spec
+from itertools import groupby
+from math import degrees
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families.mesh import Mesh, mesh
+from families.palette import colour
+from families.parameters import derived_declarations
+from families.profiles import Profile
+from families.vault import IDENTITY, Vault
+
+Floats = NDArray[np.float64]
+Row = tuple[str, str, str]  # name, value, meaning
+Trace = dict[str, Any]
+
+HTML, PLOTLY = "text/html", "application/vnd.plotly.v1+json"
+WIDE, AROUND = 320.0, 24.0  # of a section, in pixels, and what is left free around it
+BESIDE = 0.6  # of the way to the wall: where the second line of a section is
+SLICE, MOST = 0.03, 1500  # [m] to either side of a section from which points are shown; so many
+STEPS, HALVINGS = 241, 40  # an odd number, so that one of them is at the crown
+INSIDE = 1 - 1e-9
+TOLERANCE = 0.01  # [m] between the triangles of the view and the surface
+DECIMALS = 4  # of a metre in the view
+WALL = "#888888"
+CAMERA = {"eye": {"x": 1.3, "y": -1.5, "z": 0.6}}
+
+
+def bundle(vault: Vault) -> dict[str, Any]:
+    """What a vault shows, by MIME type."""
+    rows = sizes(vault)
+    page = titled(vault.title.capitalize(), sections(vault) + table(rows))
+    return shown(page, lambda: surfaces(vault, IDENTITY), rows)
+
+
+def shown(page: str, traces: Callable[[], Sequence[Trace]], rows: Iterable[Sequence[str]]) -> dict[str, Any]:
+    """A page in HTML, with plotly's figure of traces and rows beside it where that can be drawn and there is any."""
+    drawn = traces() if find_spec("plotly") is not None else []
+    return {HTML: page} | ({PLOTLY: figure(drawn, rows)} if drawn else {})
+
+
+def sizes(vault: Vault) -> list[Row]:
+    """Profiles, parameters and derived sizes in units that people read."""
+    kinds = [(name, value.id, "kind of arch") for name, value in vars(vault).items() if isinstance(value, Profile)]
+    values, derived = vault.values(), derived_declarations(type(vault))
+    given = [(p.name, told(values[p.name], p.range.unit), p.range.meaning) for p in vault.parameters()]
+    follow = [(name, told(v, derived[name].unit), derived[name].meaning) for name, v in vault.derived_values().items()]
+    return kinds + given + follow
+
+
+def told(value: float, unit: str) -> str:
+    """A number with its unit: metres, degrees, or none."""
+    return {"m": f"{value:.3f} m", "rad": f"{degrees(value):.2f}°", "1": f"{value:.4g}"}[unit]
+
+
+def titled(title: str, inside: str) -> str:
+    """A block of a page under its title."""
+    return f'<div style="max-width:900px"><b style="font-size:1.2em">{escape(title)}</b><br>{inside}</div>'
+
+
+def table(rows: Iterable[Sequence[str]]) -> str:
+    """Rows of a name, values and a meaning."""
+
+    def cells(row: Sequence[str]) -> str:
+        name, *values, meaning = map(escape, row)
+        middle = "".join(f'<td style="text-align:right;padding-right:1em">{value}</td>' for value in values)
+        return (
+            f'<td style="text-align:left;padding-right:1em"><b>{name.replace("_", " ")}</b></td>{middle}'
+            f'<td style="text-align:left">{meaning}</td>'
+        )
+
+    return f"<table>{''.join(f'<tr>{cells(row)}</tr>' for row in rows)}</table>"
+
+
+def sections(vault: Vault, points: Floats | None = None) -> str:
+    """Both sections through the middle as SVG, at one scale; the points (n, 3) [m] in the vault's frame near them."""
+    scale = (WIDE - 2 * AROUND) / (2 * max(vault.plan.half_x, vault.plan.half_y))
+    return "".join(_section(vault, across, scale, points) for across in (0, 1))
+
+
+def _section(vault: Vault, across: int, scale: float, points: Floats | None) -> str:
+    """The cut at the crown in the components' colours, and in grey the one nearer to a wall."""
+    halves, rise = (vault.plan.half_x, vault.plan.half_y), vault.derived_values()["rise"]
+    half, wall = halves[across], halves[1 - across]
+    wide, tall = 2 * (scale * half + AROUND), scale * rise + 2.5 * AROUND
+
+    def xy(row: Floats) -> str:
+        return " ".join(f"{wide / 2 + scale * u:.1f},{tall - 1.5 * AROUND - scale * z:.1f}" for u, z in row)
+
+    beside, _ = outline(vault, across, BESIDE * wall)
+    drawn = [f'<polyline points="{xy(beside)}" stroke="{WALL}"/>']
+    line, component = outline(vault, across, 0.0)
+    for k, run in groupby(range(len(component)), key=lambda i: int(component[i])):
+        stretch = list(run)
+        row, shade = xy(line[stretch[0] : stretch[-1] + 2]), colour(k).hex if k else WALL
+        name = vault.components[k - 1] if k else "wall"
+        drawn.append(f'<polyline points="{row}" stroke="{shade}" stroke-width="3"><title>{name}</title></polyline>')
+    dots = "" if points is None else "".join(f"M{xy(p[None])}h0" for p in _near(points, across, half, rise))
+    level = xy(np.array([[-half, 0.0], [half, 0.0]]))
+    return (
+        f'<svg width="{wide:.0f}" height="{tall:.0f}" viewBox="0 0 {wide:.0f} {tall:.0f}" fill="none" role="img">'
+        f'{"".join(drawn)}<path d="{dots}" stroke="currentColor" stroke-width="1.5" stroke-linecap="round"/>'
+        f'<polyline points="{level}" stroke="{WALL}" stroke-dasharray="6 4"/>'
+        f'<text x="{wide / 2:.0f}" y="{tall - 0.4 * AROUND:.1f}" text-anchor="middle" font-size="12" '
+        f'fill="currentColor">{2 * half:.2f} m across {"xy"[across]}, rise {rise:.2f} m</text></svg>'
+    )
+
+
+def _near(points: Floats, across: int, half: float, rise: float) -> Floats:
+    """Some of the points within a slice about a section, as (m, 2)."""
+    u, v, z = points[:, across], points[:, 1 - across], points[:, 2]
+    near = points[(np.abs(u) < 1.02 * half) & (np.abs(v) < SLICE) & (z > 0) & (z < 1.05 * rise)][:, [across, 2]]
+    return near[:: max(1, -(-len(near) // MOST))]
+
+
+def outline(vault: Vault, across: int, at: float) -> tuple[Floats, NDArray[np.uint16]]:
+    """The room's outline where the other coordinate is `at` [m], from springing to springing.
+
+    (n, 2) [m], and the component of each stretch between, 0 on a wall. The highest point over each place is found by
+    halving on the numeric surface.
+    """
+    half = (vault.plan.half_x, vault.plan.half_y)[across]
+
+    def placed(u: Floats, z: Floats) -> Floats:
+        points = np.full((len(u), 3), at)
+        points[:, across], points[:, 2] = u, z
+        return points
+
+    u = half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, STEPS))  # closer where arches are steep
+    low, high = np.zeros(STEPS), np.full(STEPS, vault.derived_values()["rise"] + 1.0)
+    for _ in range(HALVINGS):
+        z = (low + high) / 2
+        room = vault.distance(placed(u * INSIDE, z)) < 0
+        low, high = np.where(room, z, low), np.where(room, high, z)
+    line = np.concatenate([[[-half, 0.0]], np.column_stack([u, low]), [[half, 0.0]]])
+    middle = (line[:-1] + line[1:]) / 2
+    return line, vault.evaluate(placed(middle[:, 0], middle[:, 1]), walls=True).component
+
+
+@lru_cache(maxsize=8)
+def triangles(vault: Vault) -> Mesh | None:
+    """The intrados as triangles; None where OpenCASCADE cannot build it."""
+    try:
+        return mesh(vault, TOLERANCE)
+    except ValueError:
+        return None
+
+
+def surfaces(vault: Vault, placement: Floats) -> list[Trace]:
+    """The components as plotly's traces, brought by a placement (3, 4) to where they stand; none if not built."""
+    shape = triangles(vault)
+    if shape is None:
+        return []
+    points = shape.vertices @ placement[:, :3].T + placement[:, 3]
+    traces: list[Trace] = []
+    for k, name in enumerate(vault.components, 1):
+        own = shape.triangles[shape.component == k]
+        used, index = np.unique(own, return_inverse=True)
+        corners = index.reshape(-1, 3)
+        traces.append(
+            {
+                "type": "mesh3d",
+                "name": name.replace("_", " "),
+                "showlegend": True,
+                "color": colour(k).hex,
+                "flatshading": True,
+                "hoverinfo": "name",
+            }
+            | {axis: points[used, c].round(DECIMALS).tolist() for c, axis in enumerate("xyz")}
+            | {axis: corners[:, c].tolist() for c, axis in enumerate("ijk")}
+        )
+    return traces
+
+
+def figure(traces: Sequence[Trace], rows: Iterable[Sequence[str]]) -> dict[str, Any]:
+    """Plotly's figure of traces in space beside a table of rows without their meanings."""
+    columns = [list(column) for column in zip(*(row[:-1] for row in rows), strict=True)]
+    columns[0] = [name.replace("_", " ") for name in columns[0]]
+    words = {
+        "type": "table",
+        "domain": {"x": [0.68, 1.0], "y": [0.0, 0.92]},  # below the view's buttons
+        "header": {"values": [""] * len(columns), "height": 0},
+        "cells": {"values": columns, "align": ["left", *["right"] * (len(columns) - 1)], "height": 22},
+    }
+    bare = {"visible": False}
+    layout = {
+        "scene": {
+            "domain": {"x": [0.0, 0.66], "y": [0.0, 1.0]},
+            "aspectmode": "data",
+            "camera": CAMERA,
+            **dict.fromkeys(("xaxis", "yaxis", "zaxis"), bare),
+        },
+        "legend": {"x": 0.0, "y": 1.0},
+        "margin": dict.fromkeys("lrtb", 10),
+        "height": 460,
+    }
+    return {"data": [*traces, words], "layout": layout}
