@@ -7,7 +7,7 @@ import os
 import platform
 from datetime import date
 
-from bench import cost, rooms, shapes, workbench
+from bench import cost, rooms, shapes, uncertainty, workbench
 from bench.peers import table as peers
 
 BENCHMARKS = {
@@ -15,6 +15,7 @@ BENCHMARKS = {
     "cost": cost.run,
     "peers": peers.run,
     "rooms": rooms.run,
+    "uncertainty": uncertainty.run,
     "workbench": workbench.run,
 }
 
@@ -28,6 +29,7 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=1_000_000, help="points of a cloud, default 1000000")
     cost.options(parser)
     peers.options(parser)
+    uncertainty.options(parser)
     chosen = parser.parse_args()
     unknown = sorted(set(chosen.names) - set(BENCHMARKS))
     if unknown:

@@ -47,12 +47,18 @@ class Deviation:
     loa: str  # USIBD level of accuracy of the 95 % limit: "LOA10" (coarser than 5 cm) ... "LOA50" (1 mm)
 
 
+# Marks of numbers that are not to be trusted: flag -> sign and what it says.
+FLAGS: Mapping[str, tuple[str, str]] = {
+    "unseen": ("?", "hangs on stone that the scan did not see"),
+    "weak": ("~", "is known only roughly"),
+}
+
+
 @dataclass(frozen=True)
 class Estimate:
     """One parameter or derived size with its standard deviation in the same unit; None if it was not estimated.
 
-    seen: of what a scan of the whole vault would tell of it, the share (0 to 1) that this scan does. flags: "unseen" if
-    that is little, "weak" if the standard deviation is large.
+    seen: of what a scan of the whole vault would tell of it, the share (0 to 1) that this scan does. flags: of `FLAGS`.
     """
 
     value: float
@@ -62,6 +68,11 @@ class Estimate:
     derived: bool = False
     seen: float | None = None
     flags: tuple[str, ...] = ()
+
+    @property
+    def marks(self) -> str:
+        """The signs of its flags."""
+        return "".join(FLAGS[flag][0] for flag in self.flags)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ import pytest
 
 from families import FAMILIES
 from vaultcad.export.report_html import write_report_html
+from vaultcad.model import Estimate
 
 IDS = [cls.id for cls in FAMILIES]
 VOID = {"meta", "link", "br", "img", "hr", "input"}
@@ -132,3 +133,14 @@ def test_a_fit_that_did_not_come_to_rest_says_so(make_model, page):
 def test_times_do_not_show_so_that_the_page_is_reproducible(make_model, page):
     one, other = (page(make_model("mirror", seconds={"fit": t}))[0] for t in (1.0, 2.0))
     assert one == other
+
+
+def test_numbers_that_hang_on_unseen_stone_are_marked_and_the_marks_explained(make_model, page):
+    model = make_model("groin")
+    blind = Estimate(2.5, "m", 0.3, "crown above the springing", seen=0.2, flags=("unseen", "weak"))
+    fitted = dataclasses.replace(model.vaults[0], parameters={"rise": blind})
+    text, _ = page(dataclasses.replace(model, vaults=(fitted,)))
+    assert "300.0 mm ?~" in text
+    assert "crown above the springing; hangs on stone that the scan did not see; is known only roughly" in text
+    assert "<b>?</b> hangs on stone that the scan did not see" in text
+    assert "<b>?</b>" not in page(model)[0]

@@ -1,12 +1,13 @@
 import dataclasses
 import json
-from math import degrees, nan
+from math import degrees, nan, radians
 
 import numpy as np
 import pytest
 
 from families import FAMILIES
 from vaultcad.export.report_json import report, write_report_json
+from vaultcad.model import Covariance, Estimate
 
 IDS = [cls.id for cls in FAMILIES]
 
@@ -68,3 +69,25 @@ def test_settings_of_any_kind_are_written(make_model, tmp_path):
     told = report(make_model("trough", settings=settings))["settings"]
     expected = {"path": str(tmp_path), "limit": "inf", "sizes": [1, 2.5], "inner": {"on": True, "none": None}}
     assert told == expected
+
+
+def test_how_sure_pose_and_parameters_are_is_told(make_model, tmp_path):
+    model = make_model("sail")
+    spread = Covariance(("x", "y", "z", "yaw", "span_x"), np.diag([0.01, 0.02, 0.0, radians(0.1), 0.1]) ** 2)
+    spread.matrix[0, 4] = spread.matrix[4, 0] = -0.25 * 0.01 * 0.1
+    blind = Estimate(1.5, "m", 0.3, seen=0.2, flags=("unseen", "weak"))
+    fitted = dataclasses.replace(model.vaults[0], covariance=spread, parameters={"rise": blind})
+    model = dataclasses.replace(model, vaults=(fitted,))
+    write_report_json(model, tmp_path / "report.json", correlations=True)
+    (vault,) = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))["vaults"]
+    assert vault["pose"]["std"] == {"x": 0.01, "y": 0.02, "z": None, "yaw_deg": pytest.approx(0.1)}
+    assert vault["parameters"]["rise"] == {
+        "value": 1.5,
+        "unit": "m",
+        "std": 0.3,
+        "seen": 0.2,
+        "flags": ["unseen", "weak"],
+    }
+    assert vault["correlations"]["names"] == ["x", "y", "z", "yaw", "span_x"]
+    assert vault["correlations"]["matrix"][0] == [1, 0, 0, 0, -0.25]
+    assert "correlations" not in report(model)["vaults"][0]

@@ -45,6 +45,9 @@ def fit(
         typer.Option(metavar="NAME", help="Let a constraint go, as vaultcad families lists them; may be repeated."),
     ] = None,
     review: Annotated[bool, typer.Option("--review", help="Draw the fit to review.png, to be looked at.")] = False,
+    correlations: Annotated[
+        bool, typer.Option("--correlations", help="Tell the correlations of the fitted numbers in report.json.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print report.json instead of the summary.")] = False,
 ) -> None:
     """Fit the vaults in a scan of rooms: STEP, IFC, GLB, labelled points, report.
@@ -94,6 +97,7 @@ def fit(
             vault=result.vault,
             deviation=result.deviation,
             review=review,
+            correlations=correlations,
             progress=lambda name: bar.stage("writing", name),
         )
     if json:

@@ -9,7 +9,7 @@ import typer
 
 from families import Profile
 from vaultcad.cli.tables import show_table
-from vaultcad.model import Estimate, FittedVault, Model
+from vaultcad.model import FLAGS, Estimate, FittedVault, Model
 
 
 def show_summary(model: Model, out: Path) -> None:
@@ -30,6 +30,10 @@ def _rows(fitted: FittedVault) -> Iterator[tuple[str, str]]:
     for name, estimate in fitted.parameters.items():
         if estimate.unit == "m":
             yield name, _size(estimate)
+    flags = {flag for estimate in fitted.parameters.values() if estimate.unit == "m" for flag in estimate.flags}
+    for flag, (sign, text) in FLAGS.items():
+        if flag in flags:
+            yield sign, text
     d = fitted.deviation
     near = ", ".join(f"{share:.0%} within {1000 * limit:g} mm" for limit, share in d.within.items())
     yield "deviation", f"rms {1000 * d.rms:.1f} mm, 95% below {1000 * d.p95:.1f} mm; {near}; {d.loa}"
@@ -46,4 +50,4 @@ def _rows(fitted: FittedVault) -> Iterator[tuple[str, str]]:
 
 def _size(estimate: Estimate) -> str:
     std = "" if not estimate.std else f" ± {1000 * estimate.std:.1f} mm"
-    return f"{estimate.value:.3f} m{std}"
+    return f"{estimate.value:.3f} m{std} {estimate.marks}".rstrip()

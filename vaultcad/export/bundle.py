@@ -46,6 +46,7 @@ def write_all(
     deviation: NDArray[np.floating] | None = None,
     vault: NDArray[np.integer] | None = None,
     review: bool = False,
+    correlations: bool = False,
     progress: Callable[[str], None] = lambda name: None,
 ) -> None:
     """Write all files of a model into the folder `out`, which appears only when they are complete.
@@ -60,6 +61,7 @@ def write_all(
         deviation: see points.
         vault: see points.
         review: whether to draw review.png too, as `write_review` does; it needs points, component and deviation.
+        correlations: whether report.json holds those of the fitted numbers.
         progress: is told each file's name before it is written.
 
     Raises:
@@ -70,6 +72,7 @@ def write_all(
     """
     writers = dict(WRITERS)
     writers[PAGE] = partial(write_report_html, points=points, component=component, deviation=deviation, vault=vault)
+    writers[REPORT] = partial(write_report_json, correlations=correlations)
     if review:
         if points is None or component is None or deviation is None:
             raise ValueError("a review shows points; give points, component and deviation, or leave review out")

@@ -17,7 +17,7 @@ from vaultcad.export.drawing import PLANES, plan, section
 from vaultcad.export.palette import colour
 from vaultcad.export.report_json import plain, profiles, shown
 from vaultcad.export.report_text import FILES, GLOSSARY, STYLE
-from vaultcad.model import Component, Deviation, Estimate, FittedVault, Model
+from vaultcad.model import FLAGS, Component, Deviation, Estimate, FittedVault, Model
 
 Row = Iterable[str]
 
@@ -137,14 +137,24 @@ def _parameters(fitted: FittedVault, origin: NDArray[np.float64]) -> str:
         f"{arches}{_estimates('size', sizes)}<p></p>{_estimates('fitted parameter', fit)}"
         f"<p class='soft'>The vault's origin, the centre of its plan on the springing, lies at x {x:.3f}, y {y:.3f}, "
         f"z {z:.3f} m of the scan's coordinates; its x axis is turned by {degrees(pose.yaw):.2f}° about z.</p>"
+        f"{_legend(fitted.parameters.values())}"
     )
+
+
+def _legend(estimates: Iterable[Estimate]) -> str:
+    """What the marks say, if there are any."""
+    flags = {flag for e in estimates for flag in e.flags}
+    lines = [f"<b>{sign}</b> {escape(text)}" for flag, (sign, text) in FLAGS.items() if flag in flags]
+    return f'<p class="warning">{"; ".join(lines)}.</p>' if lines else ""
 
 
 def _estimates(kind: str, estimates: Mapping[str, Estimate]) -> str:
     cells = []
     for name, e in ((name, shown(estimate)) for name, estimate in estimates.items()):
-        cells.append([f"<b>{escape(name.replace('_', ' '))}</b>", _value(e), _std(e), escape(e.meaning)])
-    return _table([kind, "value", "±", "meaning"], cells, numbers=slice(1, 3)) if cells else ""
+        meaning = escape("; ".join([e.meaning, *(FLAGS[flag][1] for flag in e.flags)]))
+        seen = "–" if e.seen is None else _percent(e.seen)
+        cells.append([f"<b>{escape(name.replace('_', ' '))}</b>", _value(e), f"{_std(e)} {e.marks}", seen, meaning])
+    return _table([kind, "value", "±", "seen", "meaning"], cells, numbers=slice(1, 4)) if cells else ""
 
 
 def _components(components: Iterable[Component]) -> str:

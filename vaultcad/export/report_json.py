@@ -12,15 +12,18 @@ from typing import Any
 import numpy as np
 
 from families import Profile, Vault
-from vaultcad.model import Component, Deviation, Estimate, FittedVault, Model
+from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedVault, Model
 
 SCHEMA = 1
 DECIMALS = 6  # of metres and of shares: a micrometre, well below what any scan can tell
 SHOWN_AS = {"rad": ("deg", degrees)}  # units that people do not read, and what is written in their place
 
 
-def report(model: Model) -> dict[str, Any]:
-    """The content of report.json as plain values; everything outside the key "seconds" is reproducible."""
+def report(model: Model, *, correlations: bool = False) -> dict[str, Any]:
+    """The content of report.json as plain values; everything outside the key "seconds" is reproducible.
+
+    With `correlations` each vault has those of pose and fitted parameters.
+    """
     return {
         "schema": SCHEMA,
         "scan": {"path": str(model.scan), "points": int(model.points), "bounds": [_row(row) for row in model.bounds]},
@@ -28,14 +31,15 @@ def report(model: Model) -> dict[str, Any]:
         "settings": plain(model.settings),
         "versions": dict(sorted(model.versions.items())),
         "thickness": _number(model.thickness),
-        "vaults": [_vault(fitted, model) for fitted in model.vaults],
+        "vaults": [_vault(fitted, model) | (_correlations(fitted) if correlations else {}) for fitted in model.vaults],
         "seconds": {stage: round(t, 3) for stage, t in model.seconds.items()},
     }
 
 
-def write_report_json(model: Model, path: Path) -> None:
-    """Write `report(model)` as indented UTF-8 JSON."""
-    path.write_text(json.dumps(report(model), indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+def write_report_json(model: Model, path: Path, *, correlations: bool = False) -> None:
+    """Write `report` as indented UTF-8 JSON."""
+    told = report(model, correlations=correlations)
+    path.write_text(json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def shown(estimate: Estimate) -> Estimate:
@@ -81,6 +85,7 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
             "origin": _row((pose.x + origin[0], pose.y + origin[1], pose.z + origin[2])),
             "yaw_deg": _number(degrees(pose.yaw)),
             "tilt_deg": 0.0,  # a pose turns about the vertical only
+            **_pose_std(fitted.covariance),
         },
         "profiles": profiles(fitted.vault),
         "parameters": {name: _estimate(value) for name, value in fitted.parameters.items()},
@@ -95,7 +100,27 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
 def _estimate(estimate: Estimate) -> dict[str, Any]:
     e = shown(estimate)
     row: dict[str, Any] = {"value": _number(e.value), "unit": e.unit, "std": _number(e.std)}
+    row |= {} if e.seen is None else {"seen": _number(e.seen)}
+    row |= {"flags": list(e.flags)} if e.flags else {}
     return row | {"derived": True} if e.derived else row
+
+
+def _pose_std(covariance: Covariance | None) -> dict[str, Any]:
+    """Standard deviations of the pose, in metres and degrees; null for what was held."""
+    if covariance is None:
+        return {}
+    stds = covariance.stds()
+    return {
+        "std": {name: _number(stds[name] or None) for name in "xyz"}
+        | {"yaw_deg": _number(degrees(stds["yaw"]) or None)}
+    }
+
+
+def _correlations(fitted: FittedVault) -> dict[str, Any]:
+    if fitted.covariance is None:
+        return {}
+    rows = fitted.covariance.correlations().tolist()
+    return {"correlations": {"names": list(fitted.covariance.names), "matrix": [_row(row) for row in rows]}}
 
 
 def _component(component: Component) -> dict[str, Any]:

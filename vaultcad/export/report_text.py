@@ -20,7 +20,13 @@ GLOSSARY: tuple[tuple[str, str, str], ...] = (
         "USIBD level of accuracy of that limit: LOA10 above 5 cm, LOA20 to 5 cm, LOA30 to 15 mm, LOA40 to 5 mm, "
         "LOA50 to 1 mm",
     ),
-    ("", "±", "one standard deviation: about two times in three the true value is nearer"),
+    (
+        "",
+        "±",
+        "one standard deviation: about two times in three the true value is nearer. The true value is that of the "
+        "vault as it was built: a settlement that looks like another shape is allowed for",
+    ),
+    ("", "seen", "of what a scan of the whole vault would tell of a size, the share that this scan tells"),
     ("", "coverage", "share of the surface on which there are scanned points"),
     ("", "as built", "the ideal model bent smoothly to follow settlement and bulges of the stone"),
     ("web", "web", "one of the fields of a groin vault, between two groins and a wall arch"),

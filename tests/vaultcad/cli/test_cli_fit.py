@@ -24,6 +24,7 @@ def fitted(room, tmp_path_factory):
     out = tmp_path_factory.mktemp("fit") / "new" / "sail"
     command = [sys.executable, "-c", "import sys; from vaultcad.cli import main; sys.exit(main())"]
     arguments = ["fit", room, "-o", out, "--family", "volta a vela", "--seed", "1", "--thickness", "0.2", "--review"]
+    arguments += ["--correlations"]
     done = subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True, timeout=500, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     return out, done.stdout
@@ -51,6 +52,9 @@ def test_the_report_holds_the_vault_and_the_settings(fitted, room):
     assert report["scan"]["points"] == case["points"]
     assert report["settings"]["seed"] == 1
     assert report["thickness"] == 0.2
+    assert vault["parameters"]["span_x"]["seen"] > 0.5
+    assert vault["correlations"]["names"][:4] == ["x", "y", "z", "yaw"]
+    assert len(vault["correlations"]["matrix"]) == len(vault["correlations"]["names"])
 
 
 def test_every_point_of_the_scan_is_labelled_where_it_was(fitted, room):
