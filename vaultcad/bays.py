@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.site import STEEP, Thin, above_floor, turned, yaw_of
+from vaultcad.site import STEEP, Thin, above_floor, inside, turned, yaw_of
 
 Array = NDArray[np.float64]
 CELL = 0.12, 2.5  # m and spacings; edge of the ceiling's cells, at least
@@ -32,20 +32,19 @@ class Region:
 
     def holds(self, points: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Which points (n, 2 or 3) of the local frame [m] lie in it."""
-        xy = turned(points[:, :2].astype(np.float64), self.yaw)
-        inside: NDArray[np.bool_] = np.asarray(((xy >= self.low) & (xy <= self.high)).all(axis=1))
-        return inside
+        return inside(turned(points[:, :2], self.yaw), self.low, self.high)
 
 
 @dataclass(frozen=True)
 class Ceiling:
     """Height of what hangs over each cell of the turned plan.
 
-    height: (nx, ny) [m], NaN where nothing does. low: (2,) corner of the grid [m]. cell: edge of a cell [m].
-    yaw: of the grid's x axis [rad].
+    height: (nx, ny) [m], NaN where nothing does. highest: (nx, ny, 3) the point there [m]. low: (2,) corner of the
+    grid [m]. cell: edge of a cell [m]. yaw: of the grid's x axis [rad].
     """
 
     height: Array
+    highest: Array
     low: Array
     cell: float
     yaw: float
@@ -67,13 +66,16 @@ class Ceiling:
         shape = index.max(axis=0) + 1
         flat = index[:, 0] * shape[1] + index[:, 1]
         size = int(shape.prod())
-        top = np.full(size, -np.inf)
-        np.maximum.at(top, flat, z)
+        order = np.argsort(z, kind="stable")
+        highest = np.full(size, -1)
+        highest[flat[order]] = order  # of several the last is kept
+        top = np.where(highest < 0, np.nan, z[highest])
         near = z > top[flat] - 1.5 * cell
         count = np.bincount(flat[near], minlength=size)
         level = np.bincount(flat[near], np.abs(normals[near, 2]), minlength=size) / np.maximum(count, 1)
-        top[(count == 0) | (level < STEEP)] = np.nan
-        return cls(_without_specks(top.reshape(shape), cell), low, cell, yaw)
+        top[level < STEEP] = np.nan
+        height = _without_specks(top.reshape(shape), cell)
+        return cls(height, points[highest].reshape(*shape, 3), low, cell, yaw)
 
     @property
     def room(self) -> Region:
@@ -84,14 +86,19 @@ class Ceiling:
 
     def within(self, region: Region) -> Array:
         """The heights (nx, ny) of the cells in a region, a view."""
-        first = np.clip(np.round((region.low - self.low) / self.cell).astype(int), 0, self.height.shape)
-        last = np.clip(np.round((region.high - self.low) / self.cell).astype(int), first, self.height.shape)
-        view: Array = self.height[first[0] : last[0], first[1] : last[1]]
+        view: Array = self.height[self._cells(region)]
         return view
 
-    def area(self, region: Region) -> float:
-        """Area in plan of what hangs over a region [m²]."""
-        return float(np.isfinite(self.within(region)).sum()) * self.cell**2
+    def points(self, region: Region) -> Array:
+        """The highest points (n, 3) [m] of the cells of a region that something hangs over."""
+        cells = self._cells(region)
+        found: Array = self.highest[cells][np.isfinite(self.height[cells])]
+        return found
+
+    def _cells(self, region: Region) -> tuple[slice, slice]:
+        first = np.clip(np.round((region.low - self.low) / self.cell).astype(int), 0, self.height.shape)
+        last = np.clip(np.round((region.high - self.low) / self.cell).astype(int), first, self.height.shape)
+        return slice(first[0], last[0]), slice(first[1], last[1])
 
     def parts(self, region: Region) -> list[Region]:
         """A region cut up along one axis, at every gap and valley: of the two axes the one with the deepest.

@@ -14,6 +14,7 @@ from vaultcad.arches import bay_of, without_arches
 from vaultcad.bays import Ceiling, Region
 from vaultcad.errors import NoVaultError
 from vaultcad.freedom import NONE, Demands
+from vaultcad.label import label
 from vaultcad.recognise import Hypothesis, recognise
 from vaultcad.refine import Refined, refine
 from vaultcad.site import STEEP, Site, Thin, find_site
@@ -27,7 +28,7 @@ BAND = 4.0  # that band in scatters of the fit
 EXPLAINED = 0.65  # share of what hangs over the springing that a vault must explain
 ALIGNED = 0.8  # cosine between the normals of scan and model where a point is explained
 FLAT = 0.05  # rise / shorter side of the plan below which a ceiling is no vault
-SURE = 0.9  # share of all that hangs over a region from which on its bays are not tried
+SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 HIGH = 0.93  # crown of lunettes / crown of their barrel from which on they may be groin vaults in a row
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
 FILLED = 0.4  # share of a bay's plan that its vault must be seen on
@@ -93,8 +94,7 @@ class _Search:
         if one is None:
             return bays
         gain = 1 / GAIN if _in_a_row(one) else GAIN
-        both = self._explained(bays, region).sum(), self._explained([one], region).sum()
-        return bays if both[0] > gain * both[1] else [one]
+        return bays if self._explained(bays, region) > gain * self._explained([one], region) else [one]
 
     def _fit(self, region: Region, part: bool) -> Found:
         """One vault over all of a region, which may be a part of the scan only.
@@ -104,7 +104,7 @@ class _Search:
         """
         found = self._without_arches(region)
         vault = found.placed.vault
-        seen = self._explained([found], region).sum() * self.thin.spacing**2
+        seen = self._explained([found], region) * self.ceiling.cell**2
         if part and seen < FILLED * 4 * vault.plan.half_x * vault.plan.half_y:
             raise NoVaultError(f"no vault found: {seen:.1f} m² of a {vault.title} are too little of it")
         return found
@@ -126,7 +126,7 @@ class _Search:
         # A vault that stands on walls has no arches on its sides; lunettes look like them.
         with suppress(NoVaultError):
             whole = self._one(thin, xyz)
-            if self._explained([whole], region).sum() > GAIN * self._explained([found], region).sum():
+            if self._explained([whole], region) > GAIN * self._explained([found], region):
                 return whole
         return found
 
@@ -145,20 +145,13 @@ class _Search:
 
     def _settled(self, one: Found, region: Region) -> bool:
         """Whether one vault explains so much of a region that its bays need not be tried."""
-        if _in_a_row(one):
-            return False
-        explained = self._explained([one], region)
-        hanging = region.holds(self.thin.points) & (np.abs(self.thin.normals[:, 2]) > STEEP)
-        hanging &= self.thin.points[:, 2] > one.placed.pose.z
-        return bool(explained.sum() >= SURE * hanging.sum())
+        return not _in_a_row(one) and self._explained([one], region) >= SURE * len(self.ceiling.points(region))
 
-    def _explained(self, found: Sequence[Found], region: Region) -> Mask:
-        """Which thinned points of a region lie on the vaults and face as they do."""
-        explained = np.zeros(len(self.thin.points), np.bool_)
-        for one in found:
-            explained |= on_vault(one.placed, self.thin.points, self.thin.normals, one.tolerance)
-        hanging: Mask = explained & region.holds(self.thin.points) & (np.abs(self.thin.normals[:, 2]) > STEEP)
-        return hanging
+    def _explained(self, found: Sequence[Found], region: Region) -> int:
+        """Over how many of the ceiling's cells of a region the vaults hang."""
+        points = self.ceiling.points(region)
+        labels = label(points, [(one.placed, one.tolerance) for one in found])
+        return int((labels.vault > 0).sum())
 
 
 def _in_a_row(found: Found) -> bool:

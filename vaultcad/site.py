@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from segmentation.cloud import Cloud
 
 Array = NDArray[np.float64]
+Real = TypeVar("Real", bound=np.floating)
 SMALL = 0.3  # m; what stands above the floor is no vault if it is flatter than this along any axis
 FEWEST = 1000  # points of a scan
 FEWEST_PLACES = 100  # of them, once they are thinned
@@ -135,7 +136,7 @@ def find_site(thin: Thin, xyz: NDArray[np.floating]) -> Site:
         turned(points[:, :2], yaw), turned(normals[:, :2], yaw), np.abs(normals[:, 2]) < UPRIGHT, thin.spacing
     )
     weights = np.where(steep, 0.4, 1.0)
-    top = points[_inside(turned(points[:, :2], yaw), low, high), 2]
+    top = points[inside(turned(points[:, :2], yaw), low, high), 2]
     crown = float(np.quantile(top, 0.998)) if len(top) else float(points[:, 2].max())
     bottom = float(points[:, 2].min())
     none, counts = np.empty((0, 3)), thin.counts
@@ -157,11 +158,10 @@ def above_floor(thin: Thin) -> Thin:
     return above
 
 
-def turned(xy: Array, yaw: float) -> Array:
+def turned(xy: NDArray[Real], yaw: float) -> NDArray[Real]:
     """Points or directions (n, 2) in axes turned by `yaw` [rad]."""
-    c, s = np.cos(yaw), np.sin(yaw)
-    out: Array = xy @ np.array([[c, -s], [s, c]])
-    return out
+    c, s, (x, y) = float(np.cos(yaw)), float(np.sin(yaw)), xy.T
+    return np.stack([c * x + s * y, c * y - s * x], axis=1)
 
 
 def _floor(points: Array, normals: Array) -> NDArray[np.bool_]:
@@ -242,9 +242,11 @@ def rectangle(
     return low, high, walled
 
 
-def _inside(xy: Array, low: Array, high: Array) -> NDArray[np.bool_]:
-    inside: NDArray[np.bool_] = np.asarray(((xy > low) & (xy < high)).all(axis=1))
-    return inside
+def inside(xy: NDArray[np.floating], low: Array, high: Array) -> NDArray[np.bool_]:
+    """Which points (n, 2) lie between two corners (2,) [m]."""
+    x, y = xy[:, 0], xy[:, 1]
+    found: NDArray[np.bool_] = (x > low[0]) & (x < high[0]) & (y > low[1]) & (y < high[1])
+    return found
 
 
 def _ends(xyz: NDArray[np.floating], site: Site) -> Array:
@@ -272,5 +274,5 @@ def _ends(xyz: NDArray[np.floating], site: Site) -> Array:
 
 def _near(xyz: NDArray[np.floating], site: Site) -> Array:
     """Points (m, 2) of the turned plan within `RIM` of the rectangle's edges or in it."""
-    frame = turned(xyz[:, :2].astype(np.float64), site.yaw)
-    return frame[_inside(frame, site.low - RIM, site.high + RIM)]
+    frame = turned(xyz[:, :2], site.yaw)
+    return frame[inside(frame, site.low - RIM, site.high + RIM)].astype(np.float64)

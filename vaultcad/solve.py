@@ -148,7 +148,8 @@ def _jacobian(start: Placed, free: Freedom, x: Array, high: Array, points: Array
             there = kernel.to_rows(points, frame, other, outline, rows)
         else:  # a trough that is just not yet a cloister
             there = kernel.distances(points, frame, other, outline)
-        jacobian[:, k] = (there - here) / step
+        # A point just above the axis of one side of a barrel may come to lie behind it, where that body ends.
+        jacobian[:, k] = np.where(np.isfinite(there), there - here, 0.0) / step
     return jacobian
 
 
