@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import reduce
+from math import pi
 
 from OCP.BRepAlgoAPI import BRepAlgoAPI_BooleanOperation, BRepAlgoAPI_Common, BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakePrism, BRepPrimAPI_MakeRevol
-from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Vec
+from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
 from OCP.GProp import GProp_GProps
 from OCP.TopAbs import TopAbs_FACE
 from OCP.TopExp import TopExp_Explorer
+from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Shape
 from OCP.TopTools import TopTools_ListOfShape
 
@@ -158,10 +160,9 @@ def _turned(curve: Curve, base: float, foot: float, cell: Cell) -> TopoDS_Shape:
     springing = [(wall, 0.0)] if low < -TOUCH else []  # where the drum ends, though a stilt goes on
     outline: list[Point | Bow] = [(0.0, low), (wall, low), *springing, *bows]
     face, axis = sketch(outline, Upright("x", 0.0, 0.0, base, 1)), gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
-    whole = BRepPrimAPI_MakeRevol(face, axis).Shape()
+    corner = sum(cell.x) > 0, sum(cell.y) > 0
     if cell.x[0] < 0 < cell.x[1]:
-        return whole
-    # Quarters of one surface: OpenCASCADE crashes where it is to join spheres that were turned apart.
-    far = wall + curve.rise
-    sides = [(0.0, far) if sum(side) > 0 else (-far, 0.0) for side in (cell.x, cell.y)]
-    return common(whole, box(Cell(sides[0], sides[1], low + base - far, base + 2 * far)))
+        return BRepPrimAPI_MakeRevol(face, axis).Shape()
+    quarter, turn = BRepPrimAPI_MakeRevol(face, axis, pi / 2).Shape(), gp_Trsf()
+    turn.SetRotation(axis, pi / 2 * CORNERS.index(corner))
+    return quarter.Moved(TopLoc_Location(turn))

@@ -11,7 +11,7 @@ from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS_Shape
 
 from families.cells import Cell, View
-from families.parts import Barrel, Ceiling, Part, Piece, Turned
+from families.parts import Barrel, Ceiling, Part, Piece
 from families.sketch import MM
 
 Scene = tuple[tuple[Piece, ...], Cell]  # bodies, and the box in which they are to be made
@@ -26,9 +26,7 @@ def made(
     shapes = []
     for job in jobs:
         x, y = _middle(job)
-        # OpenCASCADE crashes where it is to join quarters of a sphere of which some were turned.
-        signs = (1,) if any(isinstance(part, Turned) for part in _parts(job)) else (1, -1)
-        turned = {sign: tuple(_moved(scene, x, y, sign) for scene in job) for sign in signs}
+        turned = {sign: tuple(_moved(scene, x, y, sign) for scene in job) for sign in (1, -1)}
         sign = next((s for s in turned if turned[s] in done), 1)
         if turned[sign] not in done:
             done[turned[sign]] = make(turned[sign])
@@ -39,13 +37,10 @@ def made(
 
 def _middle(job: tuple[Scene, ...]) -> tuple[float, float]:
     """The middle of a job's first cell [m], or of the plan where something belongs to that."""
-    if all(isinstance(part, Ceiling) or (isinstance(part, Barrel) and not part.crown_rise) for part in _parts(job)):
+    parts = [part for pieces, _ in job for piece in pieces for part in piece.parts]
+    if all(isinstance(part, Ceiling) or (isinstance(part, Barrel) and not part.crown_rise) for part in parts):
         return sum(job[0][1].x) / 2, sum(job[0][1].y) / 2
     return 0.0, 0.0
-
-
-def _parts(job: tuple[Scene, ...]) -> list[Part]:
-    return [part for pieces, _ in job for piece in pieces for part in piece.parts]
 
 
 def _moved(scene: Scene, x: float, y: float, sign: int) -> Scene:

@@ -20,6 +20,7 @@ from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Face, TopoDS_Shape
 
 from families.cells import Cuts
 from families.sketch import MM
+from families.spheres import unturned
 
 SEAM = 1e-5  # [m], edges nearer than that are sewn
 NEAR = 1e-7  # [m]
@@ -50,7 +51,7 @@ def sewn(bodies: Iterable[TopoDS_Shape], cuts: Cuts) -> TopoDS_Compound:
         found = list(faces(body))
         for face, point in zip(found, inner_points(found), strict=True):
             if not _is_cut(face, point, cuts):
-                sewing.Add(face)
+                sewing.Add(unturned(face))
     sewing.Perform()
     explorer = TopExp_Explorer(sewing.SewedShape(), TopAbs_SHELL)
     solids = []
