@@ -273,3 +273,19 @@ def to_rows(xyz: Array, frame: Array, parts: Array, plan: Array, rows: NDArray[n
         else:
             out[i] = _body(x, y, z, parts, rows[i])[0]
     return out
+
+
+@compiled
+def over_plan(xyz: Array, frame: Array, half: Array, lowest: float) -> NDArray[np.int64]:
+    """Which points (n, 3) lie within the half extents (2,) of a plan and above `lowest` [m] once `frame` moved them."""
+    found = np.empty(len(xyz), np.int64)
+    count = 0
+    for i in range(len(xyz)):
+        px, py, pz = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+        x = frame[0, 0] * px + frame[0, 1] * py + frame[0, 2] * pz + frame[0, 3]
+        y = frame[1, 0] * px + frame[1, 1] * py + frame[1, 2] * pz + frame[1, 3]
+        z = frame[2, 0] * px + frame[2, 1] * py + frame[2, 2] * pz + frame[2, 3]
+        if abs(x) < half[0] and abs(y) < half[1] and z > lowest:
+            found[count] = i
+            count += 1
+    return found[:count]

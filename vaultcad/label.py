@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from families import kernel
 from vaultcad.solve import Placed
 
 CHUNK = 1 << 17  # points that a thread takes at once
@@ -51,10 +52,9 @@ def _label(
 ) -> None:
     """Enter the points of one vault, of those from `start` on, that are not nearer to one before it."""
     frame, plan = placed.pose.frame(), placed.vault.plan
-    local = xyz @ frame[:, :3].T + frame[:, 3]
     half = np.array([plan.half_x, plan.half_y]) + tolerance
-    (mine,) = np.nonzero((np.abs(local[:, :2]) < half).all(axis=1) & (local[:, 2] > -tolerance))
-    surface = placed.vault.evaluate(local[mine], walls=True)
+    mine = kernel.over_plan(np.ascontiguousarray(xyz), frame, half, -tolerance)
+    surface = placed.vault.evaluate(xyz[mine], frame=frame, walls=True)
     at = start + mine
     known = np.abs(labels.deviation[at])
     near = (np.abs(surface.distance) <= tolerance) & (surface.component > 0)
