@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from families.parameters import Derived, Range, derived_declarations
 from vaultcad.coverage import Sight, information
+from vaultcad.freedom import EXACT
 from vaultcad.model import Covariance, Estimate
 from vaultcad.solve import Solution
 from vaultcad.uncertainty import slopes_of_sizes
@@ -26,7 +27,7 @@ def estimates(
 
     def estimate(name: str, value: float, of: Range | Derived, weak: float, *, derived: bool) -> Estimate:
         std = covariance.std(slopes[name])
-        if std == 0:
+        if std < EXACT * EXACT:  # fixed, if by way of what follows it
             return Estimate(value, of.unit, None, of.meaning, derived)
         seen = told.share(slopes[name])
         flags = {"unseen": seen < UNSEEN, "weak": std > weak}

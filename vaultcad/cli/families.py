@@ -41,6 +41,7 @@ def families(
 def _show_family(cls: Any) -> None:
     from families import Profile
     from families.parameters import derived_declarations
+    from vaultcad.demands import constraints_of
 
     vault = cls()
     typer.echo(f"{cls.id}: {cls.title}")
@@ -57,6 +58,8 @@ def _show_family(cls: Any) -> None:
     declared = derived_declarations(cls)
     rows = [(name, shown(sizes[name], d.unit), "", d.meaning) for name, d in declared.items()]
     show_table(("size that follows", "at defaults", "", "meaning"), rows, numbers=[1])
+    held = [(c.name, c.meaning) for c in constraints_of(cls)]
+    show_table(("constraint", "what a fit takes for true, unless the scan or --free says otherwise"), held)
     _show_profiles()
 
 

@@ -1,0 +1,60 @@
+"""Where one family passes into another."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+import pytest
+
+from families import FAMILIES, Dome, Groin, Lunette, Mirror, Sail, Segmental, Semicircular, Trough, Vault
+from segmentation.cloud import Cloud
+from vaultcad.identity import is_its_family
+from vaultcad.pipeline import fit_scan
+
+
+def recognised(vault: Vault) -> Vault:
+    """What a scan of a vault, a little noisy, is taken for."""
+    rng = np.random.default_rng(4)
+    xyz = vault.sample(150_000, rng).xyz
+    return fit_scan(Cloud((xyz + 0.002 * rng.standard_normal(xyz.shape)).astype(np.float32))).model.vaults[0].vault
+
+
+@pytest.mark.parametrize("cls", FAMILIES, ids=lambda c: c.id)
+def test_the_defaults_of_a_family_are_of_it(cls: type[Vault]) -> None:
+    assert is_its_family(cls())
+
+
+@pytest.mark.parametrize(
+    "vault",
+    [
+        Mirror(5.0, 7.0, 0.99, 0.7, 0.9, 1.0),
+        Groin(5.0, 3.0, Semicircular(), Semicircular()),
+        Lunette(5.0, 5.0, Semicircular(), 1, 1.0, 0.0, 1.0, 0.0, Semicircular()),
+        Dome(3.0, Segmental((sqrt(2) - 1) / 2), 0.0, 0.0),
+    ],
+    ids=["mirror without a plane", "groin of unequal barrels", "lunettes as high as the barrel", "dome that is a sail"],
+)
+def test_what_has_lost_what_makes_its_family_is_not_of_it(vault: Vault) -> None:
+    assert not is_its_family(vault)
+
+
+def test_a_mirror_keeps_its_plane_where_that_cuts_its_coves() -> None:
+    assert is_its_family(Mirror(7.0, 4.6, 0.63, 1.0, 0.86, 0.66))
+
+
+def test_a_square_trough_without_a_ridge_is_a_cloister() -> None:
+    vault = recognised(Trough(4.6, 4.6, Segmental(0.4), 1.0, 1.0))
+    assert isinstance(vault, Trough)
+    assert len(vault.components) == 4
+
+
+def test_a_mirror_without_a_plane_is_a_trough() -> None:
+    vault = recognised(Trough(4.4, 7.0, Segmental(0.42), 0.6, 0.6))
+    assert isinstance(vault, Trough)
+    assert len(vault.components) == 3
+
+
+@pytest.mark.parametrize("vault", [Sail(4.4, 4.4, 0.6), Dome(2.2, Semicircular(), 0.0, 0.0)], ids=lambda v: v.id)
+def test_a_sail_and_a_dome_without_a_drum_are_told_apart(vault: Vault) -> None:
+    assert type(recognised(vault)) is type(vault)
