@@ -82,15 +82,14 @@ def _basis(points: Array, low: Array, step: Array, shape: tuple[int, ...]) -> tu
 def _accumulate(
     index: NDArray[np.int64], weight: Array, normals: Array, d: Array, count: int, matrix: Array, right: Array
 ) -> None:
-    """Adds the normal equations of n·u(p) = d over all points."""
-    from scipy.sparse import csr_array
-
-    n = len(d)
-    columns = np.concatenate([index + c * count for c in range(3)], axis=1)
-    values = np.concatenate([weight * normals[:, c, None] for c in range(3)], axis=1)
-    rows = csr_array((values.ravel(), columns.ravel(), np.arange(0, 192 * n + 1, 192)), shape=(n, 3 * count))
-    matrix += (rows.T @ rows).toarray()
-    right += rows.T @ d
+    """Adds the normal equations of n·u(p) = d over all points, those of a cell, which share their columns, together."""
+    _, cell = np.unique(index[:, 0], return_inverse=True)
+    order = np.argsort(cell, kind="stable")
+    for mine in np.split(order, np.cumsum(np.bincount(cell))[:-1]):
+        columns = np.concatenate([index[mine[0]] + c * count for c in range(3)])
+        rows = np.concatenate([weight[mine] * normals[mine, c, None] for c in range(3)], axis=1)
+        matrix[np.ix_(columns, columns)] += rows.T @ rows
+        right[columns] += rows.T @ d[mine]
 
 
 def _roughness(shape: tuple[int, ...]) -> Array:
