@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from families.parameters import Derived, Range, derived_declarations
 from vaultcad.coverage import Sight, information
-from vaultcad.freedom import EXACT
 from vaultcad.model import Covariance, Estimate
 from vaultcad.solve import Solution
 from vaultcad.uncertainty import slopes_of_sizes
 
 UNSEEN = 0.5  # share of what could be told of a number below which it hangs on unseen stone
+NOTHING = 1e-9  # standard deviation of what was fixed, by way of what follows it
 WEAK_LENGTH = 0.03  # standard deviation of a length / shorter span, from which it is weak
 WEAK_SHARE = 0.1  # the same of a ratio / its range
 
@@ -27,7 +27,7 @@ def estimates(
 
     def estimate(name: str, value: float, of: Range | Derived, weak: float, *, derived: bool) -> Estimate:
         std = covariance.std(slopes[name])
-        if std < EXACT * EXACT:  # fixed, if by way of what follows it
+        if std < NOTHING:
             return Estimate(value, of.unit, None, of.meaning, derived)
         seen = told.share(slopes[name])
         flags = {"unseen": seen < UNSEEN, "weak": std > weak}
