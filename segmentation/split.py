@@ -17,9 +17,7 @@ Ints = NDArray[np.int64]
 MARGIN = 2  # cells next to another primitive that are taken away
 GAP = 6.0  # cells between a component and a crumb that belongs to it
 LEAST_CELLS = 10  # of a component; fewer are crumbs at an edge
-NECK = (
-    0.35  # contact of two cores of a primitive over the root of the smaller's cells, from which they are one component
-)
+NECK = 0.7  # contact of two cores from which they are one: over the root of the smaller's cells, and its share of core
 SMALLEST_CORE = 0.25  # of the minimum support; a smaller core grows out of its neighbours again
 
 
@@ -37,7 +35,7 @@ def split(cloud: WorkingCloud, labels: Ints) -> Ints:
     for _ in range(MARGIN - 1):
         taken[cloud.tail[same & taken[cloud.head]]] = True
     cores = _components(cloud, labels, inside & ~taken, SMALLEST_CORE * cloud.min_points)
-    grown = _rejoined(cloud, labels, _grow(cloud, labels, cores))
+    grown = _rejoined(cloud, labels, cores, _grow(cloud, labels, cores))
     rest = inside & (grown == 0)
     extra = _components(cloud, labels, rest, cloud.min_points)
     grown = np.where(extra > 0, extra + grown.max(initial=0), grown)
@@ -110,16 +108,21 @@ def _grow(cloud: WorkingCloud, labels: Ints, cores: Ints) -> Ints:
         tail, head = tail[still], head[still]
 
 
-def _rejoined(cloud: WorkingCloud, labels: Ints, grown: Ints) -> Ints:
-    """Components after those that meet along a front, not at a neck, became one: a drum that is few cells high."""
+def _rejoined(cloud: WorkingCloud, labels: Ints, cores: Ints, grown: Ints) -> Ints:
+    """Components after those that meet along a front, not at a neck, became one.
+
+    A drum that is few cells high is nearly all margin: little of it was core, and that in pieces.
+    """
     width = int(grown.max(initial=0)) + 1
     met = (labels[cloud.tail] == labels[cloud.head]) & (grown[cloud.tail] != grown[cloud.head])
     met &= (grown[cloud.tail] > 0) & (grown[cloud.head] > 0)
     touch = np.unique(cloud.tail[met] * width + grown[cloud.head[met]])  # a cell and the component it touches
     pair, contact = np.unique(grown[touch // width] * width + touch % width, return_counts=True)
-    cells = np.bincount(grown, minlength=width)
-    smaller = np.minimum(cells[pair // width], cells[pair % width])
-    front = pair[contact >= NECK * np.sqrt(smaller)]
-    graph = csr_array((np.ones(len(front), dtype=np.int8), (front // width, front % width)), shape=(width, width))
+    cells, core = np.bincount(grown, minlength=width), np.bincount(cores, minlength=width)
+    one, other = pair // width, pair % width
+    smaller = np.where(cells[one] < cells[other], one, other)
+    front = contact >= NECK * core[smaller] / np.sqrt(cells[smaller])
+    one, other = one[front], other[front]
+    graph = csr_array((np.ones(len(one), dtype=np.int8), (one, other)), shape=(width, width))
     _, joined = connected_components(graph, directed=False)
     return np.asarray(joined, dtype=np.int64)[grown]

@@ -58,8 +58,11 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace) -> None:
     """A block for each cloud: time and its ratio to ours, memory, components found, mean IoU over the rounds."""
-    wanted = {name: ENGINES[name] for name in chosen.peers.split(",") if name in ENGINES}
-    engines = {"ours": OURS, **wanted}
+    names = ["ours", *filter(None, chosen.peers.split(","))]
+    unknown = [name for name in names if name not in ENGINES]
+    if unknown:
+        sys.exit(f"no engine {', '.join(unknown)}; there are {', '.join(ENGINES)}")
+    engines = {name: ENGINES[name] for name in names}
     print(f"\npeers: {chosen.points:,} points, normals given, {chosen.rounds} rounds; the paper's parameters;")
     print("seconds from the cloud in memory to the shapes (least of the rounds), whole process in MiB")
     print(f"{'cloud':14} {'engine':32} {'s':>7} {'ratio':>6} {'MiB':>6} {'found':>8} {'mean IoU':>15}")

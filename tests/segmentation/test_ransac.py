@@ -74,9 +74,9 @@ def test_opposite_webs_share_a_cylinder_and_are_two_components():
 
 
 @pytest.mark.parametrize("given", [True, False], ids=["normals", "no normals"])
-@pytest.mark.parametrize("vault", [GROIN, DOME], ids=lambda v: type(v).id)
-def test_settled_masonry_keeps_its_components_whatever_the_seed(vault, given):
-    xyz, normals, truth = cloud(vault, noise=0.003)
+@pytest.mark.parametrize(("vault", "points"), [(GROIN, 20_000), (GROIN, 150_000), (DOME, 150_000)])
+def test_settled_masonry_keeps_its_components_whatever_the_seed(vault, points, given):
+    xyz, normals, truth = cloud(vault, points, noise=0.003)
     plan = (xyz[:, :2] - xyz[:, :2].mean(axis=0)) / np.ptp(xyz[:, :2], axis=0)
     xyz[:, 2] -= 0.025 * np.cos(3.0 * plan[:, 0] + 0.3) * np.cos(3.0 * plan[:, 1] - 0.2)
     for seed in range(6):
