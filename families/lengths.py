@@ -29,6 +29,8 @@ RATIOS: dict[str, dict[str, str]] = {
 }
 """Family -> derived length -> the one parameter that it decides, in the order in which they hang on each other."""
 
+ROUNDING = 1e-9  # [m] by which a length may miss what can be had
+
 
 def with_lengths(vault: Vault, lengths: Mapping[str, float], *, called: Callable[[str], str] = str) -> Vault:
     """The vault with its lengths [m] made as given; each is monotonic in the parameter that it decides.
@@ -50,12 +52,16 @@ def with_lengths(vault: Vault, lengths: Mapping[str, float], *, called: Callable
                 f"{called(name)} {wanted:g}: its profile makes it {fixed:g} m; choose one that has a rise ratio"
             )
 
-        def above(value: float, vault: Vault = vault, name: str = name, ratio: str = ratio) -> float:
-            return vault.replaced({ratio: value}).derived_values()[name] - lengths[name]
-
         ends = limits[ratio].low, limits[ratio].high
         least, most = sorted(vault.replaced({ratio: end}).derived_values()[name] for end in ends)
-        if not least <= wanted <= most:  # not a number either
+        if not least - ROUNDING <= wanted <= most + ROUNDING:  # not a number either
             raise ValueError(f"{called(name)} {wanted:g}: with the other sizes it can be {least:.6g} to {most:.6g} m")
+        goal = min(max(wanted, least), most)
+
+        def above(
+            value: float, vault: Vault = vault, name: str = name, ratio: str = ratio, goal: float = goal
+        ) -> float:
+            return vault.replaced({ratio: value}).derived_values()[name] - goal
+
         vault = vault.replaced({ratio: brentq(above, *ends, xtol=1e-13)})
     return vault

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from families import FAMILIES
+from families import FAMILIES, ideal
 from segmentation import compare, read
 from segmentation.io.labels import read_labels
 from vaultcad.scanner import read_truth
@@ -89,6 +89,40 @@ def _paper_tables(out: Path) -> None:
     assert all(float(row["ours"]) == pytest.approx(float(row["paper"]), abs=0.08) for row in rows if row["paper"])
 
 
+def _room_under_a_vault(out: Path) -> None:
+    from build123d import import_step
+
+    vault = ideal("mirror", span_x=6, span_y=4.5, run_x=1.2, run_y=1.2, cove_rise=1.2)
+    room, intrados = import_step(out / "room.step"), import_step(out / "intrados.step")
+    air = 6 * 4.5 * 2.8 + vault.void().volume / 1e9 + 1.2 * 0.6 * 2.2 + 1.4 * 0.6 * 1.5
+    assert room.volume / 1e9 == pytest.approx(7.2 * 5.7 * (2.8 + 1.2 + 0.4) - air, rel=1e-5)
+    assert {part.label for part in intrados.descendants} >= set(vault.components)
+
+
+def _nave(out: Path) -> None:
+    from build123d import import_step
+
+    nave = import_step(out / "nave.step")
+    assert nave.label == "nave"
+    assert [part.label for part in nave.children] == ["pier"] * 8 + ["bay"] * 3
+    piers, bays = nave.children[:8], nave.children[8:]
+    assert all(part.volume == pytest.approx(0.7**2 * 5 * 1e9) for part in piers)
+    assert [part.bounding_box().center().Y for part in bays] == pytest.approx([0, 5000, 10_000], abs=1)
+    assert all(part.is_valid for part in bays)
+
+
+def _arcade(out: Path) -> None:
+    from build123d import import_step
+
+    wall, *bays = import_step(out / "arcade.step").children
+    arch = ideal("barrel", span=3.2, length=0.6, profile="pointed", rise=2.6).void().volume
+    stone = 20_000 * 600 * 6200 - 5 * (arch + 3200 * 600 * 2400)
+    assert wall.volume == pytest.approx(stone, rel=1e-6)
+    assert [bay.label for bay in bays] == [f"bay_{k}" for k in range(1, 6)]  # as build123d reads names
+    bay = ideal("groin", span_x=4, span_y=3.6).solid(0.12).volume
+    assert [part.volume for part in bays] == pytest.approx([bay] * 5, rel=1e-4)
+
+
 PROMISED: dict[str, tuple[list[str], Callable[[Path], None]]] = {
     "01_ideal_vault": ([], _ideal_vault),
     "02_seven_families": ([], _seven_families),
@@ -98,6 +132,9 @@ PROMISED: dict[str, tuple[list[str], Callable[[Path], None]]] = {
     "06_scan_to_model": ([], _scan_to_model),
     "07_sections": ([], _sections),
     "08_paper_tables": (["--points", "100000"], _paper_tables),
+    "09_room_under_a_vault": ([], _room_under_a_vault),
+    "10_nave": (["--bays", "3"], _nave),
+    "11_arcade": ([], _arcade),
 }
 
 

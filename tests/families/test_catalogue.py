@@ -51,6 +51,7 @@ def test_an_ideal_vault_is_made_by_name_and_numbers(cls):
 def test_an_ideal_vault_takes_profiles_by_any_name_and_lengths_for_ratios():
     vault = ideal("crociera", span_x=6, profile_x="Spitzbogen", profile_y=Segmental(0.2), rise_y=2)
     assert vault == Groin(6, 5, Pointed(), Segmental(0.4))
+    assert ideal("mirror", run_x=1.2, run_y=1.2, cove_rise=1.2).cove_rise == pytest.approx(1.2)  # the most that can be
 
 
 @pytest.mark.parametrize(
