@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.peers.job import Job, peak_memory, serve
+from bench.peers.job import Job, peak_memory, processor_time, serve
 from segmentation.io import read
 
 PROGRAMS = ("CloudCompare", "cloudcompare.CloudCompare")
@@ -60,18 +60,19 @@ def _watch(job: Job, command: list[str]) -> None:
     environment = {**os.environ, "QT_QPA_PLATFORM": "offscreen"}
     with subprocess.Popen(command, stdout=theirs, stderr=theirs, env=environment) as process:
         os.close(theirs)
-        began = ended = time.perf_counter()
+        began = ended = (time.perf_counter(), 0.0)
         with os.fdopen(ours, errors="replace") as lines:
             try:
                 for line in lines:
+                    now = time.perf_counter(), processor_time(process.pid)
                     job.peak = max(job.peak, peak_memory(process.pid))
                     if BEGINS in line:
-                        began = ended = time.perf_counter()
+                        began = ended = now
                     elif ended == began and any(end in line for end in ENDS):
-                        ended = time.perf_counter()
+                        ended = now
             except OSError:  # how a terminal tells that its other end is closed
                 pass
-    job.seconds = ended - began
+    job.seconds, job.cpu = ended[0] - began[0], ended[1] - began[1]
 
 
 def _keys(xyz: Any) -> Any:
