@@ -4,11 +4,15 @@ import sys
 from pathlib import Path
 
 import ifcopenshell
+import numpy as np
 import pytest
 from build123d import import_step
 
 from families import FAMILIES, Groin
+from segmentation.io import write_cloud
 from vaultcad.workbench.install import INTERPRETER, by_rule, install
+from vaultcad.workbench.measured import told
+from vaultcad.workbench.scans import bay
 
 ROOT = Path(__file__).parents[3]
 
@@ -143,3 +147,19 @@ def test_documents_open_where_the_worker_cannot_be_had(in_freecad, home, tmp_pat
     assert opened["edited"]["box"] == found["saved"]["box"]
     assert opened["why"].startswith("/no/such/python cannot be started")
     assert opened["why"].endswith("run `vaultcad freecad install` again")
+
+
+def test_each_vault_of_a_scan_is_an_object_of_its_own(in_freecad, make_model, tmp_path) -> None:
+    fitted = [make_model(name).vaults[0] for name in ("groin", "barrel")]
+    vaults = [{**told(vault), "flags": [], "bay": bay(vault)} for vault in fitted]
+    write_cloud(tmp_path / "rooms.ply", np.random.default_rng(1).uniform(-4, 4, (5000, 3)))
+    found = in_freecad("several", scan=str(tmp_path / "rooms.ply"), vaults=vaults)
+    assert found["families"] == ["groin vault", "barrel vault"]
+    assert all(map(sound, found["states"]))
+    for base, pose, vault in zip(found["bases"], found["poses"], fitted, strict=True):
+        assert base == pytest.approx([1000 * v for v in (vault.pose.x, vault.pose.y, vault.pose.z + 1)])
+        assert pose == pytest.approx(vars(vault.pose)), "where the points are, whatever the document does with them"
+    assert found["asked"] == {"box": vaults[1]["bay"], "family": "sail"}, "only its own bay is fitted anew"
+    assert found["objects"] == ["groin vault", "groin vault"]
+    assert found["deviations"] == [1, 2], "what lies outside the bay keeps its deviations"
+    assert found["undone"] == ["groin vault", "barrel vault"]
