@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -133,8 +135,6 @@ class Ceiling:
 
     def _cuts(self, region: Region, axis: int) -> list[_Cut]:
         """Where along an axis a bay may end."""
-        from scipy.signal import find_peaks
-
         seen = np.isfinite(heights := self.within(region))
         share = seen.mean(axis=1 - axis)
         bare = share <= SEEN * share.max(initial=0.0)
@@ -145,11 +145,9 @@ class Ceiling:
         profile = np.where(bare, mean[~bare].min() - GAP, mean)
         (roofed,) = np.nonzero(~bare)
         first, last = region.low[axis] + roofed[[0, -1]] * self.cell + [0, self.cell]
-        # Beyond the region it is higher, so that what lies at its edge is a valley too, and hides no other beside it.
-        _, found = find_peaks(-np.pad(profile, 1, constant_values=np.inf), prominence=VALLEY, plateau_size=1)
         out: list[_Cut] = []
-        for left, right, depth in zip(found["left_edges"], found["right_edges"], found["prominences"], strict=True):
-            new = _Cut(region.low[axis] + (left + right - 1) / 2 * self.cell, float(depth))
+        for start, end, depth in _valleys(profile):
+            new = _Cut(region.low[axis] + (start + end) / 2 * self.cell, depth)
             if min(new.place - first, last - new.place) < NARROWEST:
                 continue
             if out and new.place - out[-1].place < NARROWEST:
@@ -157,6 +155,29 @@ class Ceiling:
             else:
                 out.append(new)
         return out
+
+
+def _valleys(profile: Array) -> Iterator[tuple[int, int, float]]:
+    """Runs start:end of equal heights that are lower than what is beside them, and how deep they are [m].
+
+    The depth is the lesser of the heights that must be climbed on either side before it goes down lower; beyond the
+    ends of the profile it goes up for ever. Those less deep than `VALLEY` are left out.
+    """
+    (steps,) = np.nonzero(np.diff(profile))
+    for start, end in pairwise([0, *(steps + 1), len(profile)]):
+        height = profile[start]
+        left, right = profile[:start][::-1], profile[end:]
+        if (len(left) and left[0] < height) or (len(right) and right[0] < height):
+            continue
+        depth = min(_climb(left, height), _climb(right, height))
+        if depth >= VALLEY:
+            yield start, end, depth
+
+
+def _climb(heights: Array, height: float) -> float:
+    """How far it goes up above a height before it goes down below it; for ever if it never does."""
+    (lower,) = np.nonzero(heights < height)
+    return float(heights[: lower[0]].max() - height) if len(lower) else inf
 
 
 def _without_specks(height: Array, cell: float) -> Array:

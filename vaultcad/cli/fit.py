@@ -11,6 +11,7 @@ import typer
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+from vaultcad.cli.ahead import SOLIDS, importing
 from vaultcad.cli.errors import InputError, refusing
 from vaultcad.cli.options import Axis, Bounds, Seed, number_info, single
 from vaultcad.cli.outputs import check_folder
@@ -67,7 +68,7 @@ def fit(
 
     with status(STAGES) as bar:
         bar.stage("reading")
-        cloud = read(scan, up="z" if up == "auto" else up, progress=bar.share)
+        cloud = read(scan, up="z" if up == "auto" else up, progress=importing(SOLIDS, bar.share))
 
         from vaultcad.export.bundle import write_all
         from vaultcad.pipeline import Settings, fit_scan

@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -77,14 +78,17 @@ def write_all(
         if points is None or component is None or deviation is None:
             raise ValueError("a review shows points; give points, component and deviation, or leave review out")
         writers[REVIEW] = partial(write_review, points=points, component=component, deviation=deviation, vault=vault)
-    writers[SEGMENTS] = lambda _, path: segments(path)
     check_target(out)
-    solids = buildable(model)
-    with _beside(out) as part:
+    with _beside(out) as part, ThreadPoolExecutor(1) as beside:
+        # Most of its time goes into packing, beside which the solids are made.
+        labelled = beside.submit(segments, part / SEGMENTS)
+        solids = buildable(model)
         for name, write in writers.items():
             progress(name)
             # The report tells what was fitted; what is drawn has to be built.
             write(model if name == REPORT else solids, part / name)
+        progress(SEGMENTS)
+        labelled.result()
         _into_place(part, out)
 
 
