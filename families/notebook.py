@@ -191,14 +191,20 @@ def figure(traces: Sequence[Trace], rows: Iterable[Sequence[str]]) -> dict[str, 
     columns[0] = [name.replace("_", " ") for name in columns[0]]
     words = {
         "type": "table",
-        "domain": {"x": [0.68, 1.0], "y": [0.0, 0.92]},  # below the view's buttons
+        "domain": {"x": [0.62, 1.0], "y": [0.0, 0.92]},  # below the view's buttons
+        "columnwidth": [1.3, *[1.0] * (len(columns) - 1)],
         "header": {"values": [""] * len(columns), "height": 0},
-        "cells": {"values": columns, "align": ["left", *["right"] * (len(columns) - 1)], "height": 22},
+        "cells": {
+            "values": columns,
+            "align": ["left", *["right"] * (len(columns) - 1)],
+            "height": 22,
+            "font": {"size": 11},
+        },
     }
     bare = {"visible": False}
     layout = {
         "scene": {
-            "domain": {"x": [0.0, 0.66], "y": [0.0, 1.0]},
+            "domain": {"x": [0.0, 0.6], "y": [0.0, 1.0]},
             "aspectmode": "data",
             "camera": CAMERA,
             **dict.fromkeys(("xaxis", "yaxis", "zaxis"), bare),

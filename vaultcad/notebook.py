@@ -23,6 +23,9 @@ Floats = NDArray[np.float64]
 Row = tuple[str, str, str, str]  # name, value, standard deviation, meaning
 
 MOST = 6000  # points in the 3D view
+# Red into the room, blue into the stone, as in the review. By its name plotly draws this scale one way round in Python
+# and the other way round in a browser.
+COLOURS = [[0.0, "#b2182b"], [0.25, "#f4a582"], [0.5, "#f7f7f7"], [0.75, "#92c5de"], [1.0, "#2166ac"]]
 REACH = 0.98  # share of the points within the ends of their colours
 
 
@@ -69,10 +72,10 @@ def _deviations(result: Result) -> Trace:
         "marker": {
             "size": 2,
             "color": d.round(1).tolist(),
-            "colorscale": "RdBu",
+            "colorscale": COLOURS,
             "cmin": -reach,
             "cmax": reach,
-            "colorbar": {"title": {"text": "mm"}, "x": 0.62, "len": 0.6, "thickness": 12},
+            "colorbar": {"title": {"text": "mm"}, "x": 0.54, "len": 0.6, "thickness": 12},
         },
     } | {axis: points[:, c].round(3).tolist() for c, axis in enumerate("xyz")}
 
