@@ -61,7 +61,7 @@ def refine(winner: Hypothesis, site: Site, rng: np.random.Generator, *, demands:
     # What is reported are the deviations of the vault's points: walls only help, and what is seen well counts more.
     weights = np.where(site.weights < 1, WALLS, 1.0) * np.sqrt(site.counts)
     last = _Fit(Evidence.draw(site, POINTS, rng, demands, weights=weights), demands, LAST, 60)
-    return last(best.placed, best.kept)
+    return last(best.placed, best.kept, best.scatter)
 
 
 @dataclass(frozen=True)
@@ -73,13 +73,14 @@ class _Fit:
     close: float = CLOSE
     most: int = 15
 
-    def __call__(self, start: Placed, kept: Sequence[Constraint]) -> Refined:
+    def __call__(self, start: Placed, kept: Sequence[Constraint], scatter: float = WIDEST) -> Refined:
+        """`scatter`: what is known of it [m]; a start that is good is not to be left for the sake of far points."""
         free = self.demands.freedom(start.vault, kept)
-        solution = self.evidence.solve(start, free, (WIDEST,), most=self.most, gain=self.close)
-        for _ in range(3):
-            scale = float(np.clip(4 * _scatter(solution), TIGHTEST, WIDEST))
-            solution = self.evidence.solve(solution.placed, free, (scale,), most=self.most, gain=self.close)
-        return Refined(solution, self.evidence.points, _scatter(solution), tuple(kept))
+        for _ in range(4):
+            scale = float(np.clip(4 * scatter, TIGHTEST, WIDEST))
+            solution = self.evidence.solve(start, free, (scale,), most=self.most, gain=self.close)
+            start, scatter = solution.placed, _scatter(solution, self.evidence.weights)
+        return Refined(solution, self.evidence.points, scatter, tuple(kept))
 
     def gain(self, worse: Refined, better: Refined) -> float:
         """How much more likely the second is, in the units of a score."""
@@ -88,6 +89,12 @@ class _Fit:
         return INDEPENDENT * log(costs[0] / costs[1])
 
 
-def _scatter(solution: Solution) -> float:
-    near = np.abs(solution.residuals) < 3 * WIDEST
-    return float(1.4826 * np.median(np.abs(solution.residuals[near])))
+def _scatter(solution: Solution, weights: Array) -> float:
+    """Standard deviation of the residuals, from the weighted median of those that are no outliers [m]."""
+    size = np.abs(solution.residuals)
+    near = np.flatnonzero(size < 3 * WIDEST)
+    if len(near) == 0:
+        return WIDEST
+    order = near[np.argsort(size[near])]
+    share = np.cumsum(weights[order])
+    return float(1.4826 * size[order[np.searchsorted(share, share[-1] / 2)]])
