@@ -1,4 +1,4 @@
-"""Where one family passes into another: a vault that has lost what makes its family is the other one."""
+"""What makes a family, and an arch: a vault that has lost it is another's, which says the same of it, and better."""
 
 from __future__ import annotations
 
@@ -6,18 +6,20 @@ from collections.abc import Callable
 from math import asin, degrees, sqrt
 from typing import Any
 
-from families import Dome, Groin, Lunette, Mirror, Vault
+from families import Dome, Elliptical, Groin, Lunette, Mirror, Stilted, Vault
 
 PLANE = 0.1  # a mirror's plane is at least this share of the shorter span, else it is a trough
 LEVEL = 0.8  # the lower barrel of a groin vault rises to this share of the higher, else it is a row of lunettes
 CROWN = 0.95  # lunettes stay below this share of their barrel's rise, else they are groin vaults in a row
 CREASE = 8.0  # degrees between a dome and its pendentives at the ring, else they are one sphere: a sail
+STEEP = 0.9  # rise / span above which nobody draws an ellipse or stilts an arch: the rest of it is wall
 DRUM = 0.03  # and the drum / radius below which there is none
 
 
 def is_its_family(vault: Vault) -> bool:
-    """Whether a vault has what makes its family; else another family says the same of it, and says it better."""
-    return RULES.get(type(vault), lambda vault: True)(vault)
+    """Whether a vault has what makes its family, and arches such as are built."""
+    arches = [value for value in vars(vault).values() if isinstance(value, Elliptical | Stilted)]
+    return all(arch.rise_ratio <= STEEP for arch in arches) and RULES.get(type(vault), lambda vault: True)(vault)
 
 
 def _mirror(vault: Mirror) -> bool:

@@ -26,6 +26,7 @@ PAYS = 10.0  # by so much the score must fall for that
 COARSE, MIDDLE, FINE = 0.15, 0.1, 0.05  # m, scales of the loss
 FLOOR = 2e-3  # m; below this no scanner tells two models apart
 CLOSE = 1e-3  # share of the cost that a step must still gain
+FOREIGN = 1000.0  # on the score of what is rather another family's: it wins only where there is nothing else
 HOPELESS = 2.5  # a family whose cost is this much above the best one's is not refined
 
 
@@ -127,8 +128,11 @@ class _Judge:
         integers = sum(p.integer for p in placed.vault.parameters())
         likelihood = INDEPENDENT * log(cost + (FLOOR / self.scale) ** 2)
         score = likelihood + (len(free.names) + integers) * log(INDEPENDENT)
-        met = self.demands.met(solution.placed.vault)
-        return Hypothesis(solution, free, tuple(kept), cost, score if met else inf)
+        if not self.demands.met(solution.placed.vault):
+            score = inf
+        elif not is_its_family(solution.placed.vault):
+            score += FOREIGN
+        return Hypothesis(solution, free, tuple(kept), cost, score)
 
     def best_variant(self, placed: Placed) -> Hypothesis:
         """The fit with the most likely kind of profile in each place, and with the constraints that cost little."""

@@ -7,7 +7,21 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from families import FAMILIES, Dome, Groin, Lunette, Mirror, Sail, Segmental, Semicircular, Trough, Vault
+from families import (
+    FAMILIES,
+    Dome,
+    Elliptical,
+    Groin,
+    Lunette,
+    Mirror,
+    Profile,
+    Sail,
+    Segmental,
+    Semicircular,
+    Stilted,
+    Trough,
+    Vault,
+)
 from segmentation.cloud import Cloud
 from vaultcad.identity import is_its_family
 from vaultcad.pipeline import fit_scan
@@ -58,3 +72,8 @@ def test_a_mirror_without_a_plane_is_a_trough() -> None:
 @pytest.mark.parametrize("vault", [Sail(4.4, 4.4, 0.6), Dome(2.2, Semicircular(), 0.0, 0.0)], ids=lambda v: v.id)
 def test_a_sail_and_a_dome_without_a_drum_are_told_apart(vault: Vault) -> None:
     assert type(recognised(vault)) is type(vault)
+
+
+@pytest.mark.parametrize("profile", [Elliptical(0.95), Stilted(1.1)], ids=lambda p: p.id)
+def test_arches_that_are_mostly_wall_are_not_built(profile: Profile) -> None:
+    assert not is_its_family(Groin(3.2, 2.9, profile, Semicircular()))
