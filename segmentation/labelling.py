@@ -49,17 +49,18 @@ def regions(cloud: WorkingCloud, labels: Ints, components: Ints, shapes: Shapes)
     distance = np.abs(gaps(shapes, cloud.mean))
     differs = np.flatnonzero(components[cloud.tail] != components[cloud.head])
     tail, head = cloud.tail[differs], cloud.head[differs]
-    pair = np.flatnonzero(components) * (count + 1) + components[components > 0]
-    front = np.empty(0, dtype=np.int64)
-    for ring in range(REACH):
-        cell, component = (
-            (tail, components[head]) if ring == 0 else _around(cloud, front // (count + 1), front % (count + 1))
-        )
+    may = np.zeros((len(cloud), count + 1), dtype=np.bool_)
+    may[components > 0, components[components > 0]] = True
+    cell, component = tail, components[head]
+    for _ in range(REACH):
         near = (component > 0) & (distance[owner[component], cell] < cloud.size)
-        front = np.setdiff1d(cell[near] * (count + 1) + component[near], pair)
-        pair = np.union1d(pair, front)
-    cell, component = pair // (count + 1), pair % (count + 1)
-    rank = np.arange(len(pair)) - np.searchsorted(cell, cell)
+        new = np.zeros_like(may)
+        new[cell[near], component[near]] = True
+        new &= ~may
+        may |= new
+        cell, component = _around(cloud, *np.nonzero(new))
+    cell, component = np.nonzero(may)
+    rank = np.arange(len(cell)) - np.searchsorted(cell, cell)
     kept = rank < CANDIDATES
     candidates = np.zeros((len(cloud), CANDIDATES), dtype=np.int64)
     candidates[cell[kept], rank[kept]] = component[kept]

@@ -116,6 +116,8 @@ def _rejoined(cloud: WorkingCloud, labels: Ints, cores: Ints, grown: Ints) -> In
     width = int(grown.max(initial=0)) + 1
     met = (labels[cloud.tail] == labels[cloud.head]) & (grown[cloud.tail] != grown[cloud.head])
     met &= (grown[cloud.tail] > 0) & (grown[cloud.head] > 0)
+    if not met.any():
+        return grown
     touch = np.unique(cloud.tail[met] * width + grown[cloud.head[met]])  # a cell and the component it touches
     pair, contact = np.unique(grown[touch // width] * width + touch % width, return_counts=True)
     cells, core = np.bincount(grown, minlength=width), np.bincount(cores, minlength=width)

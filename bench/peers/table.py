@@ -72,7 +72,7 @@ def run(chosen: argparse.Namespace) -> None:
     for case in _cases(chosen):
         runs: dict[str, list[Run]] = {name: [] for name in engines}
         with tempfile.TemporaryDirectory() as folder:
-            write_points(Path(folder) / CLOUD, case.xyz, case.normals)
+            write_points(Path(folder) / CLOUD, case.xyz, -case.normals)  # CGAL finds no sphere but by outward normals
             for _ in range(chosen.rounds):
                 for name in [name for name in engines if name not in missing]:
                     answer = _once(engines[name], case, folder, chosen.peer_python)
