@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import reduce
+from functools import lru_cache, reduce
 from math import pi
 
 from OCP.BRepAlgoAPI import BRepAlgoAPI_BooleanOperation, BRepAlgoAPI_Common, BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
@@ -66,6 +66,7 @@ def common(shape: TopoDS_Shape, tool: TopoDS_Shape) -> TopoDS_Shape:
     return _boolean(BRepAlgoAPI_Common, [shape], [tool], lambda found: found < (1 + SLACK) * most)
 
 
+@lru_cache(maxsize=32)  # each body is weighed as a result, and again as a part of the next
 def volume(shape: TopoDS_Shape) -> float:
     """Volume [mm³]."""
     sums = GProp_GProps()

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
-from families.bodies import cut, union, volume
+from families.bodies import cut, is_sound, union, volume
 from families.cells import cuts
+from families.hulls import hull, sides
 from families.palette import Colour, colour
 from families.parts import Piece, Plan
 from families.reuse import Scene, made
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 EXTRADOS, SIDE = "extrados", "side"
 OVAL, OVAL_ERROR = 8, 3e-4  # pairs of arcs in a quarter; [m] off ellipses of usual sizes, far below any thickness
 EXACT = 1e-6  # [m]
+CORNER = 0.3  # [mm], see `workable`
 
 
 def void(vault: Vault) -> TopoDS_Shape:
@@ -59,7 +61,8 @@ def _masonry(pieces: tuple[Piece, ...], plan: Plan, thickness: float) -> TopoDS_
     outer = list(where.cells(half_x, half_y, 0.0, top))
     inner = where.cells(half_x + thickness, half_y + thickness, -thickness, top)
     jobs = [((grown, here), (pieces, here), (pieces, beyond)) for here, beyond in zip(outer, inner, strict=True)]
-    return sewn(made(jobs, _shell), where)
+    shape = sewn(made(jobs, _hull), where)
+    return shape if is_sound(shape) else sewn(made(jobs, _shell), where)
 
 
 def _built(vault: Vault, build: Callable[[tuple[Piece, ...]], TopoDS_Shape]) -> TopoDS_Shape:
@@ -78,7 +81,21 @@ def _built(vault: Vault, build: Callable[[tuple[Piece, ...]], TopoDS_Shape]) -> 
         return build(ovals)
 
 
+def _hull(scenes: tuple[Scene, ...]) -> TopoDS_Shape | None:
+    """The faces of a cell's masonry."""
+    outside, inside, (_, beyond) = scenes
+    whole, hollow, here = union(*outside), union(*inside), outside[1]
+    if whole is None or hollow is None:
+        return whole
+    ends = (side for side, further in zip(sides(here), sides(beyond), strict=True) if side != further)
+    try:
+        return hull(whole, hollow, here, ends)
+    except ValueError:
+        return _shell(scenes)
+
+
 def _shell(scenes: tuple[Scene, ...]) -> TopoDS_Shape | None:
+    """A cell's masonry as a body: slower, and does without cutting faces in one plane."""
     whole, hollow, room = (union(*scene) for scene in scenes)
     if whole is None or hollow is None or room is None:
         return whole
@@ -89,7 +106,7 @@ def room(vault: Vault) -> build123d.Part:
     """The void as a body [mm], to be cut out of a block."""
     import build123d
 
-    return _of_stone(build123d.Part(void(vault)), f"void of a {vault.title}")
+    return _of_stone(build123d.Part(workable(void(vault))), f"void of a {vault.title}")
 
 
 def intrados(vault: Vault) -> build123d.Compound:
@@ -116,7 +133,20 @@ def solid(vault: Vault, thickness: float = 0.15) -> build123d.Part:
     """
     import build123d
 
-    return _of_stone(build123d.Part(masonry(vault, thickness)), vault.title)
+    return _of_stone(build123d.Part(workable(masonry(vault, thickness))), vault.title)
+
+
+def workable(shape: TopoDS_Shape) -> TopoDS_Shape:
+    """The shape itself, its corners given a tolerance with which CAD can go on working.
+
+    Where a groin leaves a corner tangent to the arch on the wall, OpenCASCADE takes both to cross beyond the corner as
+    soon as faces are joined, as build123d and CadQuery do after each step, and calls the result invalid.
+    """
+    from OCP.ShapeFix import ShapeFix_ShapeTolerance
+    from OCP.TopAbs import TopAbs_VERTEX
+
+    ShapeFix_ShapeTolerance().LimitTolerance(shape, CORNER, 0.0, TopAbs_VERTEX)
+    return shape
 
 
 def named_faces(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> dict[str, build123d.ShapeList[build123d.Face]]:
