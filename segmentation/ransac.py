@@ -91,6 +91,7 @@ def detect(
     found = regions(cloud, labels, components, shapes)
     point_labels, count, square = label_points(xyz, cloud, shapes, found, components, noise)
     kept = np.isin(shapes.kinds[found.owner], wanted.kinds) if len(shapes) else np.zeros(1, dtype=np.bool_)
+    kept &= count >= cloud.min_points
     kept[0] = False
     number = np.where(kept, np.cumsum(kept), 0).astype(np.uint16)
     segments = tuple(
@@ -132,7 +133,7 @@ def _find(cloud: WorkingCloud, settings: Settings, rng: np.random.Generator, tel
         else:
             futile += 1
     shapes, _ = refine_jointly(shapes, cloud.mean, cloud.normal, cloud.epsilon, settings)
-    return select(shapes, cloud, cloud.epsilon, price, settings)
+    return select(shapes, cloud, cloud.epsilon, price, settings, last=True)
 
 
 def _unexplained(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> Ints:

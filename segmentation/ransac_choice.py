@@ -31,19 +31,26 @@ from segmentation.settings import Settings
 CHOICE_POINTS = 6000
 SIMPLER = 0.02  # share of what a primitive explains that one with fewer parameters may leave
 ALIKE = 2.0  # bands that two primitives may differ by to be one surface, of which both see what misfit leaves
+KIN = 4.0  # bands that two primitives may differ by to be pieces of one of another kind, as spheres are of a drum
 NEAR = 10.0  # bands that two primitives may differ by, on average over one's points, to be worth merging
 OWN = 0.1  # share of the points nearest to a primitive that nothing else may explain; less, and it fits others' misfit
 PROMISING = 0.5  # share of a primitive's points that the first guess of a simpler one has to explain
 TRIALS = 64  # minimal sets that look for a simpler primitive
 
 
-def select(shapes: Shapes, cloud: WorkingCloud, epsilon: float, price: float, settings: Settings) -> Shapes:
-    """Drop, simplify and merge while that lowers the cells left unexplained plus `price` for each primitive."""
+def select(
+    shapes: Shapes, cloud: WorkingCloud, epsilon: float, price: float, settings: Settings, last: bool = False
+) -> Shapes:
+    """Drop, simplify and merge while that lowers the cells left unexplained plus `price` for each primitive.
+
+    The `last` time also look for primitives of another kind in place of two, which takes longer.
+    """
     some = spread(len(cloud), CHOICE_POINTS)
     choice = _Choice(cloud.mean[some], cloud.normal[some], epsilon, price * len(some) / len(cloud), settings)
     judged = choice.judged(shapes)
+    ways = (choice.dropped, choice.simplified, choice.merged, *((choice.replaced,) if last else ()))
     while len(judged.shapes):
-        for better in (choice.dropped, choice.simplified, choice.merged):
+        for better in ways:
             changed = better(judged)
             if changed is not None:
                 judged = changed
@@ -141,10 +148,8 @@ class _Choice:
 
         Where the two are alike it may explain a little less: a settled web is no one cylinder's, and two explain more.
         """
-        kinds, owned = now.shapes.kinds, (now.share > 0.0) & (now.share >= now.best[1][0])
-        weight = owned / np.maximum(owned.sum(axis=1), 1)[:, None]
-        across = weight @ np.minimum(now.gap, 2.0 * NEAR * self.epsilon).T
-        near = (np.minimum(across, across.T) < NEAR * self.epsilon) & (kinds == kinds[:, None])
+        owned, across = self._across(now)
+        near = np.minimum(across, across.T) < NEAR * self.epsilon
         alike = np.maximum(across, across.T) < ALIKE * self.epsilon
         pairs = np.argwhere(np.triu(near, 1))
         theirs = [np.flatnonzero(owned[i] | owned[j]) for i, j in pairs]
@@ -158,6 +163,32 @@ class _Choice:
             if after.max() > before - loss:
                 return now.without(i, j).joined(self.judged(both.take(np.array([int(np.argmax(after))]))))
         return None
+
+    def replaced(self, now: _Judged) -> _Judged | None:
+        """With one primitive of another kind in place of the first two of a kind that it explains about as well."""
+        owned, across = self._across(now)
+        for i, j in np.argwhere(np.triu(np.maximum(across, across.T) < KIN * self.epsilon, 1)):
+            theirs = np.flatnonzero((owned[i] | owned[j]) & np.isfinite(self.normals).all(axis=1))
+            rest = now.rest(i, j)[theirs]
+            before = np.maximum(rest, now.share[[i, j]][:, theirs].max(axis=0)).sum()
+            loss = max(self.price, SIMPLER * (before - rest.sum()))
+            for kind in (k for k in self.settings.kinds if k != now.shapes.kinds[i]):
+                other = self._drawn(kind, theirs)
+                after = np.maximum(rest, self._support(other, theirs)).sum(axis=1)
+                if len(other) and after.max() > before - loss:
+                    return now.without(i, j).joined(self.judged(other.take(np.array([int(np.argmax(after))]))))
+        return None
+
+    def _across(self, now: _Judged) -> tuple[NDArray[np.bool_], Floats]:
+        """Which points each primitive explains best (k, n), and their mean distance [m] from each other one (k, k).
+
+        Far off counts as twice `NEAR`, and so does another kind.
+        """
+        far = 2.0 * NEAR * self.epsilon
+        owned = (now.share > 0.0) & (now.share >= now.best[1][0])
+        weight = owned / np.maximum(owned.sum(axis=1), 1)[:, None]
+        kinds = now.shapes.kinds
+        return owned, np.where(kinds == kinds[:, None], weight @ np.minimum(now.gap, far).T, far)
 
     def _fitted(self, shapes: Shapes, theirs: Iterable[Ints]) -> Shapes:
         """The primitives fitted to a few of the points of each, in a wide band and then in epsilon."""

@@ -121,6 +121,15 @@ def test_radius_limits_hold_after_the_fit_and_their_ends_belong():
     assert all(s.primitive.radius <= 2.9 for s in small.shapes)
 
 
+@pytest.mark.parametrize("given", [0.002, 0.05, 30_000])
+def test_a_component_has_the_minimum_support(given):
+    xyz, normals, _ = cloud(LUNETTE, noise=0.003)
+    found = detect(xyz, normals, Settings(min_support=given))
+    assert found.shapes
+    assert all(s.count >= (given if given > 1 else given * len(xyz)) for s in found.shapes)
+    assert [s.count for s in found.shapes] == np.bincount(found.labels)[1:].tolist()
+
+
 def test_stray_points_stay_out_and_take_nothing_away():
     rng = np.random.default_rng(6)
     xyz, normals, truth = cloud(GROIN)
