@@ -132,7 +132,7 @@ def _measured(
         raise NoVaultError("no vault found: no point lies on the best model; scan a whole bay, or crop to one")
     on = thin.points[mine] @ frame[:, :3].T + frame[:, 3]
     sight = look(placed.vault, on, 2.5 * thin.spacing, rng)
-    solution, fitted = found.refined.solution, found.refined.points
+    solution, fitted = found.refined.loose, found.refined.points
     spread = covariance(solution, fitted)
     (points,) = np.nonzero(labels.vault == number)
     component, deviation = labels.component[points], labels.deviation[points]

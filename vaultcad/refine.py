@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from families.constraints import Constraint
 from vaultcad.evidence import INDEPENDENT, Evidence
-from vaultcad.freedom import NONE, Demands
+from vaultcad.freedom import NONE, Demands, Freedom
 from vaultcad.recognise import CLOSE, PAYS, Hypothesis, turned_over
 from vaultcad.site import Site
 from vaultcad.solve import Placed, Solution
+from vaultcad.uncertainty import loosened
 
 Array = NDArray[np.float64]
 FEW, POINTS = 5_000, 20_000  # to choose what is free, and to fit that
@@ -28,18 +29,24 @@ WALLS = 0.03  # weight of a wall's point in the last fit
 class Refined:
     """The final solution with the points it rests on and the scatter (robust standard deviation) they leave [m].
 
-    kept: the constraints that hold in it.
+    kept: the constraints that hold in it. loosest: what may move if only those are kept that seldom fail.
     """
 
     solution: Solution
     points: Array
     scatter: float
-    kept: tuple[Constraint, ...] = ()
+    kept: tuple[Constraint, ...]
+    loosest: Freedom
 
     @property
     def placed(self) -> Placed:
         """The vault where it stands."""
         return self.solution.placed
+
+    @property
+    def loose(self) -> Solution:
+        """The solution with all unknowns that it may be wrong in."""
+        return loosened(self.solution, self.loosest, self.points)
 
 
 def refine(winner: Hypothesis, site: Site, rng: np.random.Generator, *, demands: Demands = NONE) -> Refined:
@@ -80,7 +87,8 @@ class _Fit:
             scale = float(np.clip(4 * scatter, TIGHTEST, WIDEST))
             solution = self.evidence.solve(start, free, (scale,), most=self.most, gain=self.close)
             start, scatter = solution.placed, _scatter(solution, self.evidence.weights)
-        return Refined(solution, self.evidence.points, scatter, tuple(kept))
+        loosest = self.demands.freedom(solution.placed.vault, [c for c in kept if c.rare])
+        return Refined(solution, self.evidence.points, scatter, tuple(kept), loosest)
 
     def gain(self, worse: Refined, better: Refined) -> float:
         """How much more likely the second is, in the units of a score."""

@@ -1,9 +1,9 @@
 """What a fit's residuals say of the settlement, also of the part that the fit has taken for shape.
 
 A settled vault has moved smoothly: what the residuals show is what is left of that motion after pose and parameters
-have taken their share. Here it is a random field of displacements with two parts of equal strength: waves, as smooth as
-a Gaussian process with a length about half the shorter span (Rasmussen and Williams 2006), and the way in which vaults
-give, springings outwards and crown down (Heyman 1995). Strength, length and the roughness of the stone come from the
+have taken their share. Here it is a random field of displacements with two parts: waves, as smooth as a Gaussian
+process with a length about half the shorter span (Rasmussen and Williams 2006), and, somewhat stronger, the way in
+which vaults give, springings outwards and crown down (Heyman 1995). Strength, length and roughness come from the
 restricted likelihood (Patterson and Thompson 1971), which sees only what no parameter could have taken, with a weak
 prior: real vaults have moved by 2 to 5 cm.
 """
@@ -23,8 +23,10 @@ MOST = 300  # blocks: fewer blur the field, more cost time
 FINEST, COARSER = 0.3, 1.1  # m, edge of the smallest blocks, and by how much they grow until there are few enough
 OUTLIER = 4.0  # scatters of the residuals beyond which a block is not of the vault
 SCATTERS = (0.001, 0.0125)  # m, limits of that scatter
-STRENGTHS = np.geomspace(1e-4, 0.06, 28)  # m, standard deviation of the motion along any direction
+STRENGTHS = np.geomspace(1e-4, 0.06, 28)  # m, standard deviation of the waves along any direction
+GIVING = 1.5  # standard deviation of the springings' and the crown's motion / that of the waves
 ROUGHNESSES = np.geomspace(1e-4, 0.03, 24)  # m, standard deviation of a block's mean from the smooth field
+FAINT = 1e-4  # share of the variance that is let go, to be quick
 LENGTHS = (0.3, 0.5, 0.8)  # of the waves / shorter span
 STRENGTH, STRENGTH_SPREAD = 0.01, 0.7  # m, of a vault that has moved by 3 cm at most; spread of its logarithm
 LENGTH, LENGTH_SPREAD = 0.5, 0.5  # waves are from one to three spans long; spread of the logarithm
@@ -98,7 +100,7 @@ def motion(blocks: Blocks, half: tuple[float, float], rise: float) -> Array:
     share = np.exp(likely - likely.max())
     share /= share.sum()
     # The mean over all that is likely, so that what the scan cannot tell widens the result.
-    smooth = np.einsum("ls,s,lij->ij", share.sum(axis=2), STRENGTHS**2, np.stack(shapes))
+    smooth = np.einsum("l,lij->ij", share.sum(axis=2) @ STRENGTHS**2, np.stack(shapes))
     rough = float(share.sum(axis=(0, 1)) @ ROUGHNESSES**2)
     out: Array = smooth + rough * np.eye(len(smooth))
     return out
@@ -108,18 +110,43 @@ def _modes(blocks: Blocks, half: tuple[float, float], rise: float) -> Array:
     """How blocks (m, 3) move along their normals when the springings spread in x and in y, and the crown falls."""
     height = np.clip(blocks.place[:, 2] / max(rise, 1e-3), 0, 1)
     x, y = (np.clip(blocks.place[:, k] / half[k], -1, 1) for k in (0, 1))
-    return np.stack([x * (1 - height), y * (1 - height), -height], axis=1) * blocks.normal
+    return GIVING * np.stack([x * (1 - height), y * (1 - height), -height], axis=1) * blocks.normal
 
 
 def _log_likelihood(shape: Array, blocks: Blocks) -> Array:
     """Restricted log likelihood (strengths, roughnesses) of the residuals of the usable blocks."""
     usable = blocks.usable
-    jacobian = blocks.jacobian[usable]
+    jacobian, residual = blocks.jacobian[usable], blocks.residual[usable]
     size = np.linalg.norm(jacobian, axis=0)
-    basis, _ = np.linalg.qr(jacobian[:, size > 0] / size[size > 0], mode="complete")
-    left = basis[:, (size > 0).sum() :]  # what no unknown can take
-    values, vectors = np.linalg.eigh(left.T @ shape[np.ix_(usable, usable)] @ left)
-    squared = (vectors.T @ (left.T @ blocks.residual[usable])) ** 2
-    variance = STRENGTHS[:, None, None] ** 2 * np.maximum(values, 0) + ROUGHNESSES[None, :, None] ** 2
-    out: Array = -0.5 * (np.log(variance) + squared / variance).sum(axis=2)
+    basis, _ = np.linalg.qr(jacobian[:, size > 0] / size[size > 0])
+
+    def left(columns: Array) -> Array:
+        """What no unknown can take of columns (m, j)."""
+        out: Array = columns - basis @ (basis.T @ columns)
+        return out
+
+    factor, rest = left(_factor(shape[np.ix_(usable, usable)])), left(residual[:, None])[:, 0]
+    values, vectors = np.linalg.eigh(factor.T @ factor)
+    values, vectors = values[values > FAINT], vectors[:, values > FAINT]
+    squared = (vectors.T @ (factor.T @ rest)) ** 2 / values
+    rough = ROUGHNESSES**2
+    variance = STRENGTHS[:, None, None] ** 2 * values + rough[:, None]
+    smooth = (np.log(variance) + squared / variance).sum(axis=2)
+    others = len(rest) - basis.shape[1] - len(values)
+    out: Array = -0.5 * (smooth + others * np.log(rough) + max(float(rest @ rest - squared.sum()), 0.0) / rough)
     return out
+
+
+def _factor(matrix: Array) -> Array:
+    """F (m, r) with F Fᵀ equal to a positive semidefinite matrix (m, m) but for `FAINT`, by pivoted Cholesky."""
+    left = np.diag(matrix).copy()
+    factor = np.zeros_like(matrix)
+    rank = 0
+    while rank < len(left) and left.max() > FAINT:
+        k = int(left.argmax())
+        # No BLAS: for products as small as these its threads only wait for each other.
+        column = matrix[:, k] - (factor[:, :rank] * factor[k, :rank]).sum(axis=1)
+        factor[:, rank] = column / np.sqrt(left[k])
+        left -= factor[:, rank] ** 2
+        rank += 1
+    return factor[:, :rank]

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
+from vaultcad.freedom import Freedom
 from vaultcad.model import Covariance
 from vaultcad.settlement import block_means, motion
 from vaultcad.solve import POSE, Placed, Solution
@@ -58,6 +60,15 @@ def _inverse(matrix: Array) -> Array:
     return out
 
 
+def loosened(solution: Solution, free: Freedom, points: Array) -> Solution:
+    """The same solution from points (n, 3) [m] with the unknowns that `free` moves, at rest where they are.
+
+    So a constraint that was kept because it costs little is as unsure as what it holds would be without it.
+    """
+    looser = replace(solution, names=(*POSE, *free.names), free=free)
+    return replace(looser, jacobian=slopes_of_distances(looser, points))
+
+
 def slopes_of_sizes(solution: Solution) -> dict[str, Array]:
     """Derivatives (k,) by the unknowns of each parameter and derived size; zero for what was held."""
     base = _sizes(solution.placed.vault)
@@ -79,6 +90,7 @@ def slopes_of_distances(solution: Solution, points: Array) -> Array:
     turning = normal[:, 0] * (points[:, 1] - pose.y) - normal[:, 1] * (points[:, 0] - pose.x)
     slopes = np.zeros((len(points), len(solution.names)))
     slopes[:, : len(POSE)] = np.column_stack([-normal, turning])
+    slopes[:, [k for k, name in enumerate(POSE) if name in solution.free.pose]] = 0
     for k, vault, step in _moved(solution):
         slopes[:, k] = (Placed(vault, pose).distance(points) - base) / step
     return slopes
