@@ -94,7 +94,7 @@ def _made(
         made = family
     else:
         made = ideal(family, **parameters)
-    shape = cq.Shape.cast(brep.void(made) if thickness is None else brep.masonry(made, thickness))
+    shape = cq.Shape.cast(brep.workable(brep.void(made) if thickness is None else brep.masonry(made, thickness)))
     names = {cq.Face(face): name for face, name in brep.face_names(shape.wrapped, made)}
     whole = shape.Solids()[0] if len(shape.Solids()) == 1 else shape
     return _scaled(whole, SCALES[unit]), [names[face] for face in whole.Faces()]

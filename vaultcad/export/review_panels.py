@@ -145,7 +145,7 @@ def deviations(axes: Axes, scale: Axes, seen: Seen) -> None:
     scale.figure.colorbar(picture, cax=scale, extend="both")
     scale.set_title("mm")
     _edges(axes, seen)
-    axes.set_title("Deviation: red into the room, blue into the stone; hatched: not seen")
+    axes.set_title("Deviation: red into the room, blue into the stone; hatched: no points on it")
     _framed(axes, seen, -seen.half, seen.half)
 
 
