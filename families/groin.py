@@ -12,6 +12,23 @@ from families.parts import Direction, Piece, Plan
 from families.profiles import Profile, Semicircular
 from families.vault import Vault
 
+BEGUN = 0.02  # where a crown rise or an offset is looked for first
+
+
+def _raised(vault: Groin) -> dict[str, float]:
+    """A crown that rises a little."""
+    return {"crown_rise_ratio": BEGUN}
+
+
+def _outside_x(vault: Groin) -> dict[str, float]:
+    """Springings a little inside the wall arches, which stay where they are."""
+    return {"offset_x_ratio": BEGUN, "span_x": 2 * vault.plan.half_x / (1 + 2 * BEGUN)}
+
+
+def _outside_y(vault: Groin) -> dict[str, float]:
+    """Springings a little inside the wall arches, which stay where they are."""
+    return {"offset_y_ratio": BEGUN, "span_y": 2 * vault.plan.half_y / (1 + 2 * BEGUN)}
+
 
 def _equal_rises(vault: Groin) -> dict[str, float]:
     """The rise of one barrel by that of the other, where its profile has one to choose."""
@@ -42,9 +59,27 @@ class Groin(Vault):
         "es": ("arista", "bóveda de arista", "crucería"),
     }
     constraints: ClassVar[tuple[Constraint, ...]] = (
-        Constraint("level-crown", "the crown is as high as the wall arches", {"crown_rise_ratio": 0.0}, rare=True),
-        Constraint("flush-x", "the wall arches in x stand over the springings", {"offset_x_ratio": 0.0}, rare=True),
-        Constraint("flush-y", "the wall arches in y stand over the springings", {"offset_y_ratio": 0.0}, rare=True),
+        Constraint(
+            "level-crown",
+            "the crown is as high as the wall arches",
+            {"crown_rise_ratio": 0.0},
+            begins=_raised,
+            rare=True,
+        ),
+        Constraint(
+            "flush-x",
+            "the wall arches in x stand over the springings",
+            {"offset_x_ratio": 0.0},
+            begins=_outside_x,
+            rare=True,
+        ),
+        Constraint(
+            "flush-y",
+            "the wall arches in y stand over the springings",
+            {"offset_y_ratio": 0.0},
+            begins=_outside_y,
+            rare=True,
+        ),
         Constraint("equal-rises", "both barrels are equally high", follows=_equal_rises),
     )
 

@@ -13,6 +13,11 @@ from families.profiles import Profile, Segmental, Semicircular
 from families.vault import Vault
 
 
+def _off_centre(vault: Lunette) -> dict[str, float]:
+    """A row that is shifted a little."""
+    return {"shift_ratio": 0.02}
+
+
 @dataclass(frozen=True)
 class Lunette(Vault):
     """Barrel across x along y; `count` lunettes a side at equal distances, opposite each other.

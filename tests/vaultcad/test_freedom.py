@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from families import FAMILIES, Barrel, Dome, Groin, Mirror, Pointed, Sail, Segmental, Semicircular, Trough, Vault
+from families.constraints import Constraint
 from segmentation.cloud import Cloud
 from vaultcad.demands import constraints_of, demand, sizes_of
 from vaultcad.errors import NoVaultError
@@ -40,12 +41,14 @@ def test_constraints_are_named_once_and_hold_parameters_of_their_family(cls: typ
 
 
 @pytest.mark.parametrize(("cls", "constraint"), CONSTRAINED, ids=lambda value: getattr(value, "name", value))
-def test_what_a_constraint_holds_does_not_move_and_what_is_let_go_does(cls: type[Vault], constraint: object) -> None:
+def test_what_a_constraint_holds_does_not_move_and_what_is_let_go_does(
+    cls: type[Vault], constraint: Constraint
+) -> None:
     vault = cls(profile_x=Segmental(), profile_y=Segmental()) if cls is Groin else cls()
-    held = set(constraint.holds(vault))  # type: ignore[attr-defined]
+    held = set(constraint.holds(vault))
     assert held
-    assert not held & set(Demands().freedom(vault, [constraint]).names)  # type: ignore[list-item]
-    freed = Demands(freed=frozenset([constraint.name]))  # type: ignore[attr-defined]
+    assert not held & set(Demands().freedom(vault, [constraint]).names)
+    freed = Demands(freed=frozenset([constraint.name]))
     assert constraint not in freed.keepable(vault)
     assert held <= set(freed.freedom(vault, freed.begun_with(vault)).names)
 
@@ -136,3 +139,18 @@ def test_a_constraint_that_the_scan_refutes_is_let_go() -> None:
 def test_all_families_share_the_springing_and_know_what_decides_a_rise() -> None:
     assert all(constraints_of(cls)[0] is SPRINGING for cls in FAMILIES)
     assert all("rise" in DECIDES[cls.id] or cls is Groin for cls in FAMILIES)
+
+
+@pytest.mark.parametrize(("cls", "constraint"), CONSTRAINED, ids=lambda value: getattr(value, "name", value))
+def test_a_constraint_that_is_let_go_leaves_a_vault_within_its_ranges(cls: type[Vault], constraint: Constraint) -> None:
+    small = {p.name: p.range.low for p in cls().parameters() if p.name.startswith("span") or p.name == "length"}
+    for vault in (cls(), cls().replaced(small)):
+        vault.replaced(constraint.let_go(vault))
+
+
+def test_springings_are_looked_for_inside_the_wall_arches() -> None:
+    vault = Groin(4.0, 5.0)
+    flush = next(c for c in Groin.constraints if c.name == "flush-y")
+    begun = vault.replaced(flush.let_go(vault))
+    assert begun.plan.half_y == pytest.approx(vault.plan.half_y)
+    assert begun.span_y < vault.span_y

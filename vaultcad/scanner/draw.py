@@ -26,6 +26,7 @@ from families import (
     Vault,
     family,
 )
+from vaultcad.identity import is_its_family
 from vaultcad.scanner.settings import ScannerSettings
 
 Random = np.random.Generator
@@ -51,7 +52,8 @@ def draw(kind: type[Vault] | str, rng: np.random.Generator) -> tuple[Vault, Scan
         ValueError: no such family.
     """
     cls = family(kind) if isinstance(kind, str) else kind
-    vault = VAULT[cls.id](rng)
+    while not is_its_family(vault := VAULT[cls.id](rng)):
+        pass  # a dome without a drum may come out as a sail
     return vault, _settings(vault, rng)
 
 

@@ -1,0 +1,48 @@
+"""Recognition: the right family from any side, and how sure it says it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from families import Barrel, Sail, Semicircular, Trough, Vault
+from segmentation.cloud import Cloud
+from vaultcad.recognise import MISSED, Hypothesis, confidence, recognise
+from vaultcad.site import Site, survey
+
+
+def site_of(vault: Vault) -> Site:
+    return survey(Cloud(vault.sample(60_000, np.random.default_rng(3)).xyz.astype(np.float32)))
+
+
+@pytest.fixture(scope="module")
+def hypotheses() -> tuple[Hypothesis, ...]:
+    families = (Sail, Barrel, Trough)
+    return recognise(site_of(Barrel(4.0, 6.0)), np.random.default_rng(0), families=families)
+
+
+def test_the_best_comes_first_and_the_others_are_listed(hypotheses: tuple[Hypothesis, ...]) -> None:
+    assert hypotheses[0].vault.id == "barrel"
+    assert [h.score for h in hypotheses] == sorted(h.score for h in hypotheses)
+
+
+def test_confidence_is_shared_out_and_never_whole(hypotheses: tuple[Hypothesis, ...]) -> None:
+    shares = confidence(hypotheses)
+    assert sum(shares) == pytest.approx(1.0)
+    assert 1 - MISSED <= shares[0] < 1
+    assert confidence(hypotheses[:1]) == [pytest.approx(1.0)]
+
+
+def test_equal_scores_are_equally_likely(hypotheses: tuple[Hypothesis, ...]) -> None:
+    twins = [replace(hypotheses[0], score=-100.0), replace(hypotheses[1], score=-100.0)]
+    assert confidence(twins) == pytest.approx([0.5, 0.5])
+
+
+def test_long_heads_do_not_hide_along_which_axis_a_trough_runs() -> None:
+    found = recognise(
+        site_of(Trough(5.8, 8.1, Semicircular(), 0.8, 0.8)), np.random.default_rng(0), families=(Trough,)
+    )[0].vault
+    assert sorted([found.values()["span_x"], found.values()["span_y"]]) == pytest.approx([5.8, 8.1], abs=0.02)
+    assert found.values()["span_x"] == pytest.approx(5.8, abs=0.02)
