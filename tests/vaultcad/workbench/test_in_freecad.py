@@ -124,8 +124,8 @@ def test_a_scan_is_fitted_and_exported(in_freecad, tmp_path) -> None:
     assert found["suffix"].startswith("fitted.dwg: unknown suffix")
 
     switched = found["switched"]
-    assert switched["family"] == "sail vault"
-    assert switched["objects"] == ["Scan", "Sail"]
+    assert switched["family"] == "barrel vault with lunettes"
+    assert switched["objects"] == ["Scan", "Lunette"]
     assert [name for name, _ in switched["alternatives"]]
     assert found["undone"]["objects"] == ["Scan", "Groin"]
     assert found["undone"]["on"] == fit["on"]

@@ -67,7 +67,7 @@ def work():
     except client.RefusedError as error:
         found["suffix"] = str(error)
 
-    (other,), _ = finished(fit.Fit(points, "sail", None, obj))
+    (other,), _ = finished(fit.Fit(points, "lunette", None, obj))
     found["switched"] = {**look(document, points), "family": other.Family, "alternatives": report["alternatives"]}
     document.undo()
     found["undone"] = look(document, points)
