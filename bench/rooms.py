@@ -9,6 +9,7 @@ import argparse
 import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -18,11 +19,11 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from families import FAMILIES
+from families import FAMILIES, Vault
 from segmentation import compare, read
 from vaultcad.errors import VaultcadError
 from vaultcad.pipeline import fit_scan
-from vaultcad.scanner import draw, scan, write_scan
+from vaultcad.scanner import ScannerSettings, VirtualScan, draw, scan, write_scan
 
 FIRST = 1000  # seed of the first room
 DEFAULT = 100  # rooms
@@ -80,7 +81,7 @@ def run(chosen: argparse.Namespace) -> None:
 def one(k: int, points: int, first: int) -> Outcome:
     """The k-th room: drawn, scanned, written, read, fitted, and judged."""
     true, rng = FAMILIES[k % len(FAMILIES)], np.random.default_rng(first + k)
-    vault, settings = draw(true, rng)
+    virtual, settings = _scanned(true, points, rng)
     parts = [
         f"{settings.stations} stations" if settings.stations > 1 else "1 station",
         f"noise {1000 * settings.noise:.1f} mm, settled {1000 * settings.settlement:.0f} mm",
@@ -90,7 +91,6 @@ def one(k: int, points: int, first: int) -> Outcome:
         "far" if any(settings.origin) else "",
     ]
     row = Outcome(first + k, true.id, ", ".join(part for part in parts if part))
-    virtual = scan(vault, replace(settings, points=points), rng=rng)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "room.laz"
         write_scan(virtual, path)
@@ -115,6 +115,14 @@ def one(k: int, points: int, first: int) -> Outcome:
         confidence=fitted.confidence,
         seconds=seconds,
     )
+
+
+def _scanned(true: type[Vault], points: int, rng: np.random.Generator) -> tuple[VirtualScan, ScannerSettings]:
+    """A room under the first vault drawn that can be meshed; OpenCASCADE cannot cut all ellipses."""
+    while True:
+        vault, settings = draw(true, rng)
+        with suppress(VaultcadError):
+            return scan(vault, replace(settings, points=points), rng=rng), settings
 
 
 def _show(o: Outcome) -> None:
