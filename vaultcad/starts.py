@@ -29,6 +29,7 @@ from vaultcad.site import Site
 from vaultcad.solve import Placed
 
 RATIOS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.7, 0.85, 1.0)  # rise / span
+NARROWEST = 0.5  # m; no family spans less
 DIRECTED = (Barrel, Lunette, Trough)  # a quarter turn of the others is one of them again
 COARSE: tuple[type[Profile], ...] = (Segmental, Elliptical, Pointed)  # the others lie between these
 
@@ -40,6 +41,8 @@ def starts(family: type[Vault], site: Site, demands: Demands = NONE) -> Iterator
     """
     lowest = -np.inf if SPRINGING.name in demands.freed else site.bottom - 0.5
     x, y = site.centre.tolist()
+    if site.spans.min() < NARROWEST:
+        return
     for quarter in _quarters(family, site, demands):
         spans = site.spans[::-1] if quarter % 2 else site.spans
         for vault, rise in _suited(_possible(GRIDS[family](float(spans[0]), float(spans[1]))), demands):

@@ -9,6 +9,7 @@ import pytest
 
 from families import Barrel, Sail, Semicircular, Trough, Vault
 from segmentation.cloud import Cloud
+from vaultcad.errors import NoVaultError
 from vaultcad.recognise import MISSED, Hypothesis, confidence, recognise
 from vaultcad.site import Site, survey
 
@@ -38,6 +39,12 @@ def test_confidence_is_shared_out_and_never_whole(hypotheses: tuple[Hypothesis, 
 def test_equal_scores_are_equally_likely(hypotheses: tuple[Hypothesis, ...]) -> None:
     twins = [replace(hypotheses[0], score=-100.0), replace(hypotheses[1], score=-100.0)]
     assert confidence(twins) == pytest.approx([0.5, 0.5])
+
+
+def test_a_sliver_is_refused_by_all_families() -> None:
+    site = site_of(Barrel(4.0, 6.0))
+    with pytest.raises(NoVaultError, match="nothing above the floor has the plan of a vault"):
+        recognise(replace(site, high=np.array([site.low[0], site.high[1]])), np.random.default_rng(0))
 
 
 def test_long_heads_do_not_hide_along_which_axis_a_trough_runs() -> None:
