@@ -23,11 +23,14 @@ if TYPE_CHECKING:
 EXTRADOS, SIDE = "extrados", "side"
 OVAL, OVAL_ERROR = 8, 3e-4  # pairs of arcs in a quarter; [m] off ellipses of usual sizes, far below any thickness
 EXACT = 1e-6  # [m]
+FACETS = 2e-3  # [m] that plane facets may be off
 CORNER = 0.3  # [mm], see `workable`
 
 
 def void(vault: Vault) -> TopoDS_Shape:
     """The room under the vault, above the springing and within the plan; about ellipses see `_built`."""
+    if vault.skew is not None:
+        return _skewed(vault, void(vault.straight))
     return _built(vault, lambda pieces: _void(pieces, vault.plan))
 
 
@@ -47,6 +50,8 @@ def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
     """
     if not thickness > 0:
         raise ValueError(f"thickness = {thickness:g} m must be above 0")
+    if vault.skew is not None:
+        return _skewed(vault, masonry(vault.straight, thickness))
     return _built(vault, lambda pieces: _masonry(pieces, vault.plan, thickness))
 
 
@@ -63,6 +68,18 @@ def _masonry(pieces: tuple[Piece, ...], plan: Plan, thickness: float) -> TopoDS_
     jobs = [((grown, here), (pieces, here), (pieces, beyond)) for here, beyond in zip(outer, inner, strict=True)]
     shape = sewn(made(jobs, _hull), where)
     return shape if is_sound(shape) else sewn(made(jobs, _shell), where)
+
+
+def _skewed(vault: Vault, straight: TopoDS_Shape) -> TopoDS_Shape:
+    """A body of the straight vault, over the plan as it is; in plane facets where its faces cannot be bent."""
+    from families.bending import bent, faceted
+    from families.mesh import mesh_body
+
+    try:
+        return bent(straight, vault.bent)
+    except (ValueError, RuntimeError):  # OCP tells OpenCASCADE's failures as RuntimeError
+        body = mesh_body(straight, FACETS)
+        return faceted(vault.bent(body.vertices), body.triangles)
 
 
 def _built(vault: Vault, build: Callable[[tuple[Piece, ...]], TopoDS_Shape]) -> TopoDS_Shape:
@@ -169,7 +186,9 @@ def face_names(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> list[tupl
     found = list(faces(getattr(shape, "wrapped", shape)))
     points = inner_points(found)
     here = vault.evaluate(points)
-    half = np.array([vault.plan.half_x, vault.plan.half_y])
+    half = vault.plan.half
+    if vault.skew is not None:
+        points = vault.skew.straightened(points, half)
     ground = np.abs(points[:, 2]) < EXACT
     side = ground | (np.abs(np.abs(points[:, :2]) - half) < EXACT).any(axis=1)
     # Walls of a stilt stand on the plan's edge and are of the surface; other faces there only come near it.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import unicodedata
-from dataclasses import replace
 from typing import Any
 
 from families.barrel import Barrel
@@ -57,7 +56,7 @@ def ideal(name: str, /, **parameters: Any) -> Vault:
     vault = family(name)()
     kinds = [field for field, value in vars(vault).items() if isinstance(value, Profile)]
     arches = {kind: _arch(kind, parameters.pop(kind)) for kind in kinds if kind in parameters}
-    vault, ratios = replace(vault, **arches), RATIOS[vault.id]
+    vault, ratios = vault.with_arches(arches), RATIOS[vault.id]
     known = [*kinds, *vault.values(), *ratios]
     for key, value in parameters.items():
         if key not in known:

@@ -131,7 +131,8 @@ def _flatten(shape: Parametric) -> Iterator[Parameter]:
             yield Parameter(field.name, (field.name,), *own[field.name])
         elif isinstance(inner := getattr(shape, field.name), Parametric):
             for p in inner.parameters():
-                yield dataclasses.replace(p, name=field.name.replace("profile", p.name), path=(field.name, *p.path))
+                name = field.name.replace("profile", p.name) if "profile" in field.name else p.name
+                yield dataclasses.replace(p, name=name, path=(field.name, *p.path))
 
 
 def _get(shape: Any, path: tuple[str, ...]) -> Any:

@@ -9,6 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
 from families.profiles import Curve
 
 Direction = Literal["x", "y"]
@@ -159,3 +162,8 @@ class Plan:
     half_y: float
     on_wall_x: bool = False
     on_wall_y: bool = False
+
+    @property
+    def half(self) -> NDArray[np.float64]:
+        """(2,) half extents [m]."""
+        return np.array([self.half_x, self.half_y])

@@ -35,17 +35,19 @@ def sample(vault: Vault, count: int, rng: np.random.Generator) -> Sample:
 
     On equal-area coordinates of a strip the points are (i / n, frac(i φ)), which leaves no clumps and no gaps at any
     proportion of its sides, as the golden ratio is the number that fractions approach worst (Swinbank and Purser 2006,
-    González 2010, for the sphere). `rng` shifts the lattices, and drops the few points above `count`.
+    González 2010, for the sphere). A skewed plan stretches them a little. `rng` shifts the
+    lattices, and drops the few points above `count`.
 
     Raises:
         ValueError: `count` is below 1.
     """
     if count < 1:
         raise ValueError(f"{count} points asked for; at least 1 is needed")
-    surfaces = _surfaces(vault)
-    share = len(_lay(vault, surfaces, PILOT, rng)) / PILOT
+    straight = vault.straight
+    surfaces = _surfaces(straight)
+    share = len(_lay(straight, surfaces, PILOT, rng)) / PILOT
     wanted = 1.002 * count / share  # the pilot is not exact, and a second pass costs more than a few points to drop
-    while len(xyz := _lay(vault, surfaces, int(wanted) + 1, rng)) < count:
+    while len(xyz := _lay(straight, surfaces, int(wanted) + 1, rng)) < count:
         wanted *= 1.005
     return _described(vault, xyz[np.sort(rng.permutation(len(xyz))[:count])])
 
@@ -58,8 +60,8 @@ def sample_spacing(vault: Vault, spacing: float, rng: np.random.Generator) -> Sa
     """
     if not spacing > 0:
         raise ValueError(f"spacing = {spacing:g} m must be above 0")
-    surfaces = _surfaces(vault)
-    return _described(vault, _lay(vault, surfaces, int(sum(s.area for s in surfaces) / spacing**2) + 1, rng))
+    surfaces = _surfaces(straight := vault.straight)
+    return _described(vault, _lay(straight, surfaces, int(sum(s.area for s in surfaces) / spacing**2) + 1, rng))
 
 
 def _surfaces(vault: Vault) -> list[Strip]:
@@ -86,5 +88,6 @@ def _shown(vault: Vault, strip: Strip, count: float, rng: np.random.Generator) -
 
 
 def _described(vault: Vault, xyz: NDArray[np.float64]) -> Sample:
-    here = vault.evaluate(xyz)
-    return Sample(xyz, -here.normal, here.component)
+    there = vault.bent(xyz)
+    here = vault.evaluate(there)
+    return Sample(there, -here.normal, here.component)

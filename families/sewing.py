@@ -53,16 +53,21 @@ def sewn(bodies: Iterable[TopoDS_Shape], cuts: Cuts) -> TopoDS_Compound:
             if not _is_cut(face, point, cuts):
                 sewing.Add(unturned(face))
     sewing.Perform()
-    explorer = TopExp_Explorer(sewing.SewedShape(), TopAbs_SHELL)
-    solids = []
+    return solids(sewing.SewedShape())
+
+
+def solids(shape: TopoDS_Shape) -> TopoDS_Compound:
+    """A compound of the solids that the closed shells of a shape bound."""
+    explorer = TopExp_Explorer(shape, TopAbs_SHELL)
+    found = []
     while explorer.More():
         solid = BRepBuilderAPI_MakeSolid(TopoDS.Shell_s(explorer.Current())).Solid()
         BRepLib.OrientClosedSolid_s(solid)
-        solids.append(solid)
+        found.append(solid)
         explorer.Next()
     compound, builder = TopoDS_Compound(), BRep_Builder()
     builder.MakeCompound(compound)
-    for solid in solids:
+    for solid in found:
         builder.Add(compound, solid)
     return compound
 

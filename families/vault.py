@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from abc import abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from families.constraints import Constraint
 from families.parameters import Parametric
 from families.parts import Piece, Plan
+from families.profiles import Profile
+from families.skew import Skew
 
 if TYPE_CHECKING:
     import build123d
@@ -47,6 +49,8 @@ class Vault(Parametric):
     aliases: ClassVar[dict[str, tuple[str, ...]]]  # language code -> names
     constraints: ClassVar[tuple[Constraint, ...]] = ()  # in the order in which a fit tries them
 
+    skew: Skew | None = field(default=None, kw_only=True)  # where the plan is no rectangle
+
     @property
     @abstractmethod
     def components(self) -> tuple[str, ...]:
@@ -73,6 +77,8 @@ class Vault(Parametric):
         """
         from families import kernel
 
+        if self.skew is not None:
+            return self._skewed(self.skew, xyz, frame, walls)
         table = kernel.pack(self.pieces(), self.components)
         plan = kernel.pack_plan(self.plan if walls else None)
         parts = _in_threads(lambda points: kernel.surface(points, frame, table, plan), _points(xyz))
@@ -86,10 +92,40 @@ class Vault(Parametric):
         """Signed distances (n,) [m] of points (n, 3), positive in the stone."""
         from families import kernel
 
+        if self.skew is not None:
+            return self._skewed(self.skew, xyz, frame, walls).distance
         table = kernel.pack(self.pieces(), self.components)
         plan = kernel.pack_plan(self.plan if walls else None)
         parts = _in_threads(lambda points: kernel.distances(points, frame, table, plan), _points(xyz))
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    @property
+    def straight(self) -> Self:
+        """The same over the rectangle from which its plan was skewed."""
+        return self if self.skew is None else replace(self, skew=None)
+
+    def with_arches(self, profiles: Mapping[str, Profile]) -> Self:
+        """The same with other profiles, by the names of the fields."""
+        changed: dict[str, Any] = dict(profiles)
+        return replace(self, **changed)
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """The corners of the plan (4, 2) [m], counterclockwise from south west."""
+        return (self.skew or Skew()).corners(self.plan.half)
+
+    def bent(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points (n, 3) [m] of the straight vault, where they are in this one."""
+        return points if self.skew is None else self.skew.bent(points, self.plan.half)
+
+    def _skewed(self, skew: Skew, xyz: NDArray[np.floating], frame: NDArray[np.float64], walls: bool) -> Surface:
+        """Straightened points against the straight vault; exact on it, to first order beside it."""
+        turn, half = frame[:, :3], self.plan.half
+        points = skew.straightened(_points(xyz) @ turn.T + frame[:, 3], half)
+        here = self.straight.evaluate(points, walls=walls)
+        gradient = skew.gradients(points, here.normal, half)
+        size = np.linalg.norm(gradient, axis=1)
+        return Surface(here.distance / size, here.component, (gradient / size[:, None]) @ turn)
 
     def intrados(self) -> build123d.Compound:
         """The intrados [mm]: one labelled, coloured face or shell a component."""

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from itertools import chain
 from math import inf, isfinite, pi
 
 from families import PROFILES, Profile, Vault
 from families.constraints import Constraint
 from families.parameters import Range, derived_declarations
-from vaultcad.freedom import DECIDES, LEVEL, SPRINGING, Demands
+from vaultcad.freedom import DECIDES, LEVEL, RECTANGLE, SPRINGING, Demands
 
 PLACE = {
     "x": Range(-inf, inf, "m", "middle of the plan, in the scan's coordinates"),
@@ -66,7 +65,7 @@ def sizes_of(cls: type[Vault]) -> dict[str, Range]:
     vault = cls()
     vaults = [vault]
     for name in [name for name, value in vars(vault).items() if isinstance(value, Profile)]:
-        vaults += [replace(vault, **{name: kind()}) for kind in PROFILES]
+        vaults += [vault.with_arches({name: kind()}) for kind in PROFILES]
     derived = derived_declarations(cls)
     lengths = [*DECIDES[cls.id], *(name for family, name in LEVEL if family == cls.id)]
     found = {p.name: p.range for one in vaults for p in one.parameters()}
@@ -75,4 +74,4 @@ def sizes_of(cls: type[Vault]) -> dict[str, Range]:
 
 def constraints_of(cls: type[Vault]) -> tuple[Constraint, ...]:
     """All constraints of a family that can be let go."""
-    return (SPRINGING, *cls.constraints)
+    return (SPRINGING, RECTANGLE, *cls.constraints)

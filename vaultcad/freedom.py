@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from families import PROFILES, Profile, Vault
 from families.constraints import Constraint
@@ -18,7 +18,9 @@ LEVEL = {("groin", "rise")}
 """Family and length that is the rise of both its barrels, the crown being level."""
 
 SPRINGING = Constraint("springing", "the springing is no lower than the lowest stone that the scan shows")
-"""The one constraint that all families share, as it is about the pose."""
+"""A constraint that all families share, as it is about the pose."""
+RECTANGLE = Constraint("rectangle", "the plan is a rectangle; else its four corners are free")
+"""One that all families share, as it is about their plan."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +79,8 @@ class Demands:
         if self.suits(vault):
             return vault
         places = [name for name, value in vars(vault).items() if isinstance(value, Profile)]
-        others = (replace(vault, **{name: kind()}) for name in places for kind in PROFILES)
-        every = (replace(vault, **{name: kind() for name in places}) for kind in PROFILES)
+        others = (vault.with_arches({name: kind()}) for name in places for kind in PROFILES)
+        every = (vault.with_arches({name: kind() for name in places}) for kind in PROFILES)
         return next((other for other in (*others, *every) if self.suits(other)), None)
 
     def begun(self, vault: Vault) -> Vault:

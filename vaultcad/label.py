@@ -51,8 +51,8 @@ def _label(
     xyz: NDArray[np.floating], placed: Placed, tolerance: float, number: int, labels: Labels, start: int
 ) -> None:
     """Enter the points of one vault, of those from `start` on, that are not nearer to one before it."""
-    frame, plan = placed.pose.frame(), placed.vault.plan
-    half = np.array([plan.half_x, plan.half_y]) + tolerance
+    frame = placed.pose.frame()
+    half = np.abs(placed.vault.corners).max(axis=0) + tolerance
     mine = kernel.over_plan(np.ascontiguousarray(xyz), frame, half, -tolerance)
     surface = placed.vault.evaluate(xyz[mine], frame=frame, walls=True)
     at = start + mine

@@ -159,7 +159,7 @@ class _Judge:
                 new = None if type(old) is kind else _as(kind, old)
                 if new is None:
                     continue
-                vault = replace(placed.vault, **{name: new})
+                vault = placed.vault.with_arches({name: new})
                 if self.demands.suits(vault):
                     trial = self.of(replace(placed, vault=self.demands.begun(vault)), best.kept)
                     best = min(best, trial, key=lambda h: h.score)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log
 
 import numpy as np
 from numpy.typing import NDArray
 
 from families.constraints import Constraint
+from families.skew import Skew
 from vaultcad.evidence import INDEPENDENT, Evidence
-from vaultcad.freedom import NONE, Demands, Freedom
+from vaultcad.freedom import NONE, RECTANGLE, Demands, Freedom
 from vaultcad.recognise import CLOSE, PAYS, Hypothesis, turned_over
 from vaultcad.site import Site
 from vaultcad.solve import Placed, Solution
@@ -56,6 +57,8 @@ def refine(winner: Hypothesis, site: Site, rng: np.random.Generator, *, demands:
     a parameter is Schwarz's.
     """
     start = winner.solution.placed
+    if RECTANGLE.name in demands.freed:
+        start = replace(start, vault=replace(start.vault, skew=Skew()))
     fit = _Fit(Evidence.draw(site, FEW, rng, demands, about=[start]), demands)
     best = fit(start, winner.kept)
     for constraint in demands.keepable(start.vault):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +28,8 @@ class Placed:
 
     def distance(self, points: Array) -> Array:
         """Signed distances (n,) [m] of points (n, 3) to the vault on its walls."""
+        if self.vault.skew is not None:
+            return self.vault.distance(points, frame=self.pose.frame(), walls=True)
         out: Array = kernel.distances(points, *self.packed())
         return out
 
@@ -127,30 +130,42 @@ def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool
 
 
 def _jacobian(start: Placed, free: Freedom, x: Array, high: Array, points: Array) -> Array:
-    """Derivatives (n, k) of the distances: by the pose from the normals, by the parameters from finite differences.
-
-    The body that decides a point's distance still does after a small step, so only that one is asked again.
-    """
+    """Derivatives (n, k) of the distances: by the pose from the normals, by the parameters from finite differences."""
     jacobian = np.empty((len(points), len(x)))
     placed = _placed(start, free, x)
-    frame, table, plan = placed.packed()
-    rows, normal = kernel.deciding(points, frame, table, plan)
+    normal, moves = _slopes(placed, points)
     jacobian[:, :3] = -normal
     jacobian[:, 3] = normal[:, 0] * (points[:, 1] - x[1]) - normal[:, 1] * (points[:, 0] - x[0])
-    here = kernel.to_rows(points, frame, table, plan, rows)
     jacobian[:, [k for k, name in enumerate(POSE) if name in free.pose]] = 0
     for k in range(len(POSE), len(x)):
         step = STEP if x[k] + STEP <= high[k] else -STEP
         moved = x.copy()
         moved[k] += step
-        _, other, outline = _placed(start, free, moved).packed()
-        if len(other) == len(table):
-            there = kernel.to_rows(points, frame, other, outline, rows)
-        else:  # a trough that is just not yet a cloister
-            there = kernel.distances(points, frame, other, outline)
-        # A point just above the axis of one side of a barrel may come to lie behind it, where that body ends.
-        jacobian[:, k] = np.where(np.isfinite(there), there - here, 0.0) / step
+        jacobian[:, k] = moves(_placed(start, free, moved)) / step
     return jacobian
+
+
+def _slopes(placed: Placed, points: Array) -> tuple[Array, Callable[[Placed], Array]]:
+    """Normals (n, 3) at points (n, 3), and by how much their distances (n,) [m] change to a vault a little different.
+
+    The body that decides a point's distance still does after a small step, so only that one is asked again.
+    """
+    if placed.vault.skew is not None:
+        here = placed.vault.evaluate(points, frame=placed.pose.frame(), walls=True)
+        return here.normal, lambda other: other.distance(points) - here.distance
+    frame, table, plan = placed.packed()
+    rows, normal = kernel.deciding(points, frame, table, plan)
+    asked = kernel.to_rows(points, frame, table, plan, rows)
+
+    def moves(other: Placed) -> Array:
+        _, bodies, outline = other.packed()
+        if len(bodies) != len(table):  # a trough that is just not yet a cloister
+            return np.asarray(kernel.distances(points, frame, bodies, outline) - asked)
+        there = kernel.to_rows(points, frame, bodies, outline, rows)
+        # A point just above the axis of one side of a barrel may come to lie behind it, where that body ends.
+        return np.where(np.isfinite(there), there - asked, 0.0)
+
+    return normal, moves
 
 
 def _vector(placed: Placed, free: Freedom) -> Array:

@@ -25,9 +25,7 @@ def stand_up(cloud: Cloud, rng: np.random.Generator, *, families: Sequence[type[
     explained = {up: _explained(thin, cloud, up, families, rng) for up in AXES}
     best = max(explained, key=lambda up: explained[up])
     if not explained[best]:
-        raise NoVaultError(
-            "no vault found, whichever axis is up; scan a whole room under a vault, or crop to one bay"
-        )
+        raise NoVaultError("no vault found, whichever axis is up; scan a whole room under a vault, or crop to one bay")
     return stood_up(cloud, best)
 
 

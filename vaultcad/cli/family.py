@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import fields
 from typing import Any
 
 from typer.core import TyperCommand, TyperGroup
@@ -63,7 +63,7 @@ def vault_of(cls: type[Vault], declared: Mapping[str, Any]) -> Vault:
     for name in _profile_fields(vault):
         if name in declared:
             with refusing():
-                vault = replace(vault, **{name: profile(declared[name])()})
+                vault = vault.with_arches({name: profile(declared[name])()})
     limits = {p.name: p.range for p in vault.parameters()}
     values = {p.name: declared[p.name] for p in vault.parameters() if p.path[1:] == () and p.name in declared}
     for field in _profile_fields(vault):

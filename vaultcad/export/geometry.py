@@ -8,7 +8,7 @@ the whole without gap or overlap, whatever the family.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -64,7 +64,9 @@ def shell(vault: Vault, thickness: float) -> Mesh:
     Raises:
         ExportError: it has a hole.
     """
-    return closed(mesh_solid(vault, thickness, TOLERANCE, masonry(vault, thickness)))
+    straight = vault.straight
+    mesh = closed(mesh_solid(straight, thickness, TOLERANCE, masonry(straight, thickness)))
+    return replace(mesh, vertices=vault.bent(mesh.vertices))
 
 
 @lru_cache(maxsize=KEPT)
@@ -76,6 +78,11 @@ def bodies(vault: Vault, thickness: float) -> tuple[Body, ...]:
     """
     mesh = shell(vault, thickness)
     areas = np.bincount(mesh.component, mesh.areas, len(vault.components) + 2)
+    if vault.skew is not None:
+        return tuple(
+            replace(body, vertices=vault.bent(body.vertices), intrados_area=float(areas[body.id]))
+            for body in bodies(vault.straight, thickness)
+        )
     names = {k: name for k, name in enumerate(vault.components, 1) if areas[k] > 0}
     if len(names) == 1:
         (k,) = names

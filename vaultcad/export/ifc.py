@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from families import Barrel, Dome, Lunette, Vault
 from vaultcad.export.geometry import Body, bodies
 from vaultcad.export.ifc_author import Author, Entity
@@ -114,7 +116,8 @@ def _roof(author: Author, fitted: FittedVault, key: str, storey: Entity, model: 
     if fitted.components:  # one that was drawn, not fitted, has no figures
         author.properties(roof, "VaultCAD_Deviation", _deviation(author, fitted.deviation, fitted.coverage))
     area = sum(body.intrados_area for body in pieces)
-    plan = 4 * vault.plan.half_x * vault.plan.half_y
+    x, y = vault.corners.T
+    plan = float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
     areas = {"GrossArea": (area, "m2"), "NetArea": (area, "m2"), "ProjectedArea": (plan, "m2")}
     author.quantities(roof, "Qto_RoofBaseQuantities", areas)
     author.quantities(roof, "VaultCAD_Quantities", {"NetVolume": (sum(body.volume for body in pieces), "m3")})

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from families import Profile, Vault
 from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedVault, Model
@@ -87,6 +88,7 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
             "tilt_deg": 0.0,  # a pose turns about the vertical only
             **_pose_std(fitted.covariance),
         },
+        "corners": _corners(fitted, origin),
         "profiles": profiles(fitted.vault),
         "parameters": {name: _estimate(value) for name, value in fitted.parameters.items()},
         "components": [_component(c) for c in fitted.components],
@@ -95,6 +97,12 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "coverage": _number(fitted.coverage),
         "tolerance": _number(round(fitted.tolerance, 4)),
     }
+
+
+def _corners(fitted: FittedVault, origin: NDArray[np.float64]) -> list[list[float | None]]:
+    """The corners of the plan, counterclockwise, at the springing in the coordinates of the pose [m]."""
+    flat = np.column_stack([fitted.vault.corners, np.zeros(4), np.ones(4)])
+    return [_row(tuple((point[:3] + origin).tolist())) for point in flat @ fitted.pose.placement().T]
 
 
 def _estimate(estimate: Estimate) -> dict[str, Any]:

@@ -50,7 +50,7 @@ def case(
 def vault_of(truth: dict[str, Any]) -> Vault:
     """The vault that a `case` describes."""
     profiles = {name: profile(kind)() for name, kind in truth["profiles"].items()}
-    return family(truth["family"])(**profiles).replaced(truth["parameters"])
+    return family(truth["family"])().with_arches(profiles).replaced(truth["parameters"])
 
 
 def truth_path(path: Path) -> Path:

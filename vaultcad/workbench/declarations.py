@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def vault_of(family: str, profiles: Mapping[str, str], parameters: Mapping[str, 
         if name not in known:
             raise ValueError(f"a {vault.title} has no profile {name!r}; it has {', '.join(known) or 'none'}")
         if getattr(vault, name).id != kind:
-            vault = replace(vault, **{name: profile(kind)()})
+            vault = vault.with_arches({name: profile(kind)()})
     return vault.replaced(parameters)
 
 
@@ -94,7 +94,7 @@ def _choice(vault: Vault, name: str, default: Profile) -> dict[str, Any]:
     for kind in PROFILES:
         # The family's own default keeps its own numbers, as in a lunette vault of 0.45.
         one = default if kind is type(default) else kind()
-        within = replace(vault, **{name: one})
+        within = vault.with_arches({name: one})
         values = within.values()
         choices[kind.id] = [
             _number(p, values[p.name], GROUPS["profile"]) for p in within.parameters() if p.path[0] == name

@@ -1,0 +1,50 @@
+"""A room with four corners anywhere is fitted with its corners, if that is asked for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from families import Barrel, Groin, Segmental, Vault
+from families.skew import Skew
+from segmentation.cloud import Cloud
+from vaultcad.pipeline import Result, Settings, fit_scan
+from vaultcad.scanner import ScannerSettings, scan
+
+SKEW = Skew(0.05, 0.06, -0.04)
+ROOM = ScannerSettings(points=60_000, settlement=0.01, furniture=1, openings=1)
+
+
+def fitted(vault: Vault, *free: str) -> Result:
+    """The scan of a room, bent with its walls and all; floor under the middle at the origin."""
+    xyz = scan(vault, ROOM, rng=np.random.default_rng(3)).xyz
+    return fit_scan(Cloud(SKEW.bent(xyz, vault.plan.half).astype(np.float32)), Settings((type(vault),), free=free))
+
+
+@pytest.mark.parametrize(
+    "vault", [Groin(4.5, 5.0, Segmental(0.35), Segmental(0.315)), Barrel(4.0, 6.0, Segmental(0.4))], ids=lambda v: v.id
+)
+def test_free_corners_are_found(vault: Vault) -> None:
+    (found,) = fitted(vault, "rectangle").model.vaults
+    local = np.column_stack([found.vault.corners, np.zeros(4), np.ones(4)]) @ found.pose.placement().T
+    true = replace(vault, skew=SKEW).corners
+    off = np.linalg.norm(local[:, None, :2] - true[None], axis=2)
+    assert off.min(axis=1).max() < 0.03  # whichever axis came out as x
+    assert found.deviation.rms < 0.01
+
+
+def test_a_skewed_vault_is_written_and_read_back(tmp_path: Path) -> None:
+    import trimesh
+    from build123d import import_step
+
+    from vaultcad.export.bundle import write_all
+
+    result = fitted(Barrel(4.0, 6.0, Segmental(0.4)), "rectangle")
+    write_all(result.model, tmp_path / "out", segments=lambda path: path.write_bytes(b""))
+    drawn = sum(abs(g.volume) for g in trimesh.load(tmp_path / "out" / "model.glb", force="scene").geometry.values())
+    solid = import_step(tmp_path / "out" / "model.step")
+    assert abs(solid.volume) / 1e9 == pytest.approx(drawn, rel=3e-3)
+    assert result.model.vaults[0].parameters["shear"].std is not None
