@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from families import Barrel, Groin, Segmental, Vault
+from families.mesh import mesh_solid
 from families.skew import Skew
 from segmentation.cloud import Cloud
 from vaultcad.pipeline import Result, Settings, fit_scan
@@ -44,7 +45,11 @@ def test_a_skewed_vault_is_written_and_read_back(tmp_path: Path) -> None:
 
     result = fitted(Barrel(4.0, 6.0, Segmental(0.4)), "rectangle")
     write_all(result.model, tmp_path / "out", segments=lambda path: path.write_bytes(b""))
-    drawn = sum(abs(g.volume) for g in trimesh.load(tmp_path / "out" / "model.glb", force="scene").geometry.values())
+    (found,) = result.model.vaults
     solid = import_step(tmp_path / "out" / "model.step")
-    assert abs(solid.volume) / 1e9 == pytest.approx(drawn, rel=3e-3)
-    assert result.model.vaults[0].parameters["shear"].std is not None
+    body = mesh_solid(found.vault, result.model.thickness)
+    a, b, c = (body.vertices[body.triangles[:, k]] for k in range(3))
+    assert abs(solid.volume) / 1e9 == pytest.approx(np.einsum("ij,ij->", a, np.cross(b, c)) / 6, rel=3e-3)
+    drawn = trimesh.load(tmp_path / "out" / "model.glb", force="scene").extents[[0, 2, 1]]  # glTF is y up
+    assert np.array([*solid.bounding_box().size]) / 1000 == pytest.approx(drawn, abs=0.01)
+    assert found.parameters["shear"].std is not None
