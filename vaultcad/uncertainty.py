@@ -71,12 +71,12 @@ def loosened(solution: Solution, free: Freedom, points: Array) -> Solution:
 
 def slopes_of_sizes(solution: Solution) -> dict[str, Array]:
     """Derivatives (k,) by the unknowns of each parameter and derived size; zero for what was held."""
-    base = _sizes(solution.placed.vault)
-    rows = np.zeros((len(base), len(solution.names)))
-    for k, vault, step in _moved(solution):
-        moved = _sizes(vault)
-        rows[:, k] = [(moved[name] - base[name]) / step for name in base]
-    return dict(zip(base, rows, strict=True))
+    names = _sizes(solution.placed.vault)
+    rows = np.zeros((len(names), len(solution.names)))
+    for k, vaults, apart in _moved(solution):
+        less, more = map(_sizes, vaults)
+        rows[:, k] = [(more[name] - less[name]) / apart for name in names]
+    return dict(zip(names, rows, strict=True))
 
 
 def _sizes(vault: Vault) -> dict[str, float]:
@@ -86,23 +86,25 @@ def _sizes(vault: Vault) -> dict[str, float]:
 def slopes_of_distances(solution: Solution, points: Array) -> Array:
     """Derivatives (n, k) of the distances of any points (n, 3) [m] to the fitted vault by the unknowns."""
     placed, pose = solution.placed, solution.placed.pose
-    normal, base = placed.vault.evaluate(points, frame=pose.frame(), walls=True).normal, placed.distance(points)
+    normal = placed.vault.evaluate(points, frame=pose.frame(), walls=True).normal
     turning = normal[:, 0] * (points[:, 1] - pose.y) - normal[:, 1] * (points[:, 0] - pose.x)
     slopes = np.zeros((len(points), len(solution.names)))
     slopes[:, : len(POSE)] = np.column_stack([-normal, turning])
     slopes[:, [k for k, name in enumerate(POSE) if name in solution.free.pose]] = 0
-    for k, vault, step in _moved(solution):
-        slopes[:, k] = (Placed(vault, pose).distance(points) - base) / step
+    for k, vaults, apart in _moved(solution):
+        less, more = (Placed(vault, pose).distance(points) for vault in vaults)
+        slopes[:, k] = (more - less) / apart
     return slopes
 
 
-def _moved(solution: Solution) -> Iterator[tuple[int, Vault, float]]:
-    """Index of each parameter among the unknowns, the vault with a little more or less of it, and how much.
+def _moved(solution: Solution) -> Iterator[tuple[int, tuple[Vault, Vault], float]]:
+    """Index of each parameter among the unknowns, the vault with a little less and more of it, and how far apart.
 
-    What is tied to it follows.
+    What is tied to it follows. Both ways, as the higher of two equal arches moves with either by half.
     """
     vault = solution.placed.vault
     values, ranges = vault.values(), {p.name: p.range for p in vault.parameters()}
     for k, name in enumerate(solution.names[len(POSE) :], len(POSE)):
-        step = STEP if values[name] + STEP <= ranges[name].high else -STEP
-        yield k, solution.free.settled(vault, {name: values[name] + step}), step
+        low, high = max(values[name] - STEP, ranges[name].low), min(values[name] + STEP, ranges[name].high)
+        less, more = (solution.free.settled(vault, {name: value}) for value in (low, high))
+        yield k, (less, more), high - low

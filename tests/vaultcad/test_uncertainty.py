@@ -169,6 +169,15 @@ def test_what_a_kept_constraint_holds_is_as_unsure_as_without_it() -> None:
     assert loose.residuals is held.residuals
 
 
+def test_the_higher_of_two_equal_arches_is_as_unsure_as_one() -> None:
+    vault = Groin(4.0, 5.0, Segmental(0.4), Segmental(0.32))
+    solution, placed = fit(vault, room(vault, 1000, np.random.default_rng(15)))
+    level = replace(solution, placed=replace(solution.placed, vault=vault))
+    spread, slopes = covariance(level, placed), slopes_of_sizes(level)
+    higher = max(spread.std(slopes[name]) for name in ("rise_x", "rise_y"))
+    assert spread.std(slopes["rise"]) <= higher
+
+
 @BY_NAME
 def test_nothing_is_flagged_where_all_was_seen(vault: Vault) -> None:
     rng = np.random.default_rng(9)
