@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,7 +110,10 @@ class Ceiling:
         axis = int(np.argmax([max((cut.depth for cut in found), default=0.0) for found in cuts]))
         if not cuts[axis]:
             return [region]
-        ends = [region.low[axis], *(cut.place for cut in cuts[axis]), region.high[axis]]
+        deepest = max(cut.depth for cut in cuts[axis])
+        # Where walls stand between rooms, the valleys of each room are looked at when that is its own region.
+        chosen = [cut.place for cut in cuts[axis] if cut.depth >= GAP or deepest < GAP]
+        ends = [region.low[axis], *chosen, region.high[axis]]
         pieces = (_between(region, axis, a, b) for a, b in pairwise(ends))
         return [trimmed for piece in pieces if (trimmed := self._roofed(piece)) is not None]
 
@@ -160,8 +162,8 @@ class Ceiling:
 def _valleys(profile: Array) -> Iterator[tuple[int, int, float]]:
     """Runs start:end of equal heights that are lower than what is beside them, and how deep they are [m].
 
-    The depth is the lesser of the heights that must be climbed on either side before it goes down lower; beyond the
-    ends of the profile it goes up for ever. Those less deep than `VALLEY` are left out.
+    The depth is the lesser of the heights that must be climbed on either side before it goes down lower, or to the
+    end of the profile. Those less deep than `VALLEY` are left out.
     """
     (steps,) = np.nonzero(np.diff(profile))
     for start, end in pairwise([0, *(steps + 1), len(profile)]):
@@ -169,29 +171,40 @@ def _valleys(profile: Array) -> Iterator[tuple[int, int, float]]:
         left, right = profile[:start][::-1], profile[end:]
         if (len(left) and left[0] < height) or (len(right) and right[0] < height):
             continue
-        depth = min(_climb(left, height), _climb(right, height))
-        if depth >= VALLEY:
-            yield start, end, depth
+        if len(left) and len(right):
+            depth = min(_climb(left, height), _climb(right, height))
+            if depth >= VALLEY:
+                yield start, end, depth
 
 
 def _climb(heights: Array, height: float) -> float:
-    """How far it goes up above a height before it goes down below it; for ever if it never does."""
+    """How far it goes up above a height before it goes down below it."""
     (lower,) = np.nonzero(heights < height)
-    return float(heights[: lower[0]].max() - height) if len(lower) else inf
+    return float(heights[: lower[0] if len(lower) else None].max() - height)
 
 
 def _without_specks(height: Array, cell: float) -> Array:
-    """Heights (nx, ny) without cells that do not go on into their neighbours, and without what is small."""
-    from scipy.ndimage import label
+    """Heights (nx, ny) without cells that do not go on into their neighbours, and without what is small.
 
-    padded = np.pad(height, 1, constant_values=np.nan)
-    around = [(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)]
-    nx, ny = height.shape
-    alike = [np.abs(padded[i : i + nx, j : j + ny] - height) < SLOPE * cell for i, j in around]
-    found, count = label(np.sum(alike, axis=0) >= NEIGHBOURS, np.ones((3, 3)))
-    size = np.bincount(found.ravel(), minlength=count + 1) * cell**2
-    size[0] = 0.0
-    return np.where(size[found] >= LEAST, height, np.nan)
+    Cells whose heights are far apart do not belong together, as the head of a door and the vault beside it.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    number = np.arange(height.size).reshape(height.shape)
+    pairs = []
+    for i, j in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        here = np.s_[: len(height) - i, max(0, -j) : height.shape[1] - max(0, j)]
+        there = np.s_[i:, max(0, j) : height.shape[1] - max(0, -j)]
+        alike = np.abs(height[here] - height[there]) < SLOPE * cell
+        pairs.append(np.stack([number[here][alike], number[there][alike]]))
+    a, b = np.concatenate(pairs, axis=1)
+    kept = np.bincount(np.concatenate([a, b]), minlength=height.size) >= NEIGHBOURS
+    both = kept[a] & kept[b]
+    graph = coo_array((np.ones(both.sum(), np.bool_), (a[both], b[both])), shape=(height.size, height.size))
+    _, part = connected_components(graph, directed=False)
+    size = np.bincount(part)[part] * cell**2
+    return np.where((kept & (size >= LEAST)).reshape(height.shape), height, np.nan)
 
 
 @dataclass(frozen=True)

@@ -89,3 +89,14 @@ def test_the_ceiling_falls_apart_at_walls_and_valleys() -> None:
     nave = scanned(SCENES["a nave of three bays"])
     ceiling = Ceiling.of(thin_scan(Cloud(nave.xyz.astype(np.float32))))
     assert [part.high[0] - part.low[0] for part in ceiling.parts(ceiling.room)] == pytest.approx([4.95] * 3, abs=0.5)
+
+
+@pytest.mark.parametrize("seed", [0, 2])
+def test_the_heads_of_doors_are_no_ceiling(seed: int) -> None:
+    rooms = row([Groin(4, 4), Groin(4, 4)], ScannerSettings(points=60_000))
+    scene = scan_bays(rooms, rng=np.random.default_rng(seed))
+    ceiling = Ceiling.of(thin_scan(Cloud(scene.xyz.astype(np.float32))))
+    parts = ceiling.parts(ceiling.room)
+    assert len(parts) == 2
+    for part in parts:
+        assert len(ceiling.parts(part)) == 1
