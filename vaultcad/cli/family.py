@@ -47,7 +47,7 @@ def vault_options(cls: type[Vault]) -> list[Option]:
             names = ", ".join(p.id for p in PROFILES)
             options.append(Option(name, str, f"one of {names}; default {value.id}", "NAME", PANEL))
             options += _profile_options(name)
-        else:
+        elif name in own:
             p = own[name]
             options.append(number(p.name, p.range, values[p.name], integer=p.integer, panel=PANEL))
     return options + length_options(cls, PANEL)

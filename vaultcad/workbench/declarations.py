@@ -38,7 +38,7 @@ def declared(cls: type[Vault]) -> dict[str, Any]:
         value = getattr(vault, name)
         if isinstance(value, Profile):
             parameters.append(_choice(vault, name, value))
-        else:
+        elif name in own:
             parameters.append(_number(own[name], values[name], GROUPS["vault"]))
     sizes = [
         {
