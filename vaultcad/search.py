@@ -27,6 +27,7 @@ TOLERANCE = (0.03, 0.12)  # m, limits of the band that a vault's points lie in
 BAND = 4.0  # that band in scatters of the fit
 EXPLAINED = 0.65  # share of what hangs over the springing that a vault must explain
 ALIGNED = 0.8  # cosine between the normals of scan and model where a point is explained
+MOST, LEVEL = (0.1, 0.9), 0.02  # most of a ceiling, and its rise / shorter side below which it is level
 FLAT = 0.05  # rise / shorter side of the plan below which a ceiling is no vault
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 HIGH = 0.93  # crown of lunettes / crown of their barrel from which on they may be groin vaults in a row
@@ -179,14 +180,16 @@ def check(placed: Placed, site: Site, tolerance: float) -> None:
         NoVaultError: a flat ceiling, or a model that most of what hangs over its springing is far from.
     """
     vault, plan = placed.vault, placed.vault.plan
-    rise = vault.derived_values()["rise"]
-    if rise < FLAT * 2 * min(plan.half_x, plan.half_y):
-        raise NoVaultError(
-            f"no vault found: the best model rises {rise:.2f} m, which is a flat ceiling; crop the scan to one bay"
-        )
     local = site.points @ placed.pose.frame()[:, :3].T + placed.pose.frame()[:, 3]
     inside = (np.abs(local[:, 0]) < plan.half_x) & (np.abs(local[:, 1]) < plan.half_y)
     above = inside & (local[:, 2] > 0) & (np.abs(site.normals[:, 2]) > STEEP)
+    rise, short = vault.derived_values()["rise"], 2 * min(plan.half_x, plan.half_y)
+    spread = float(np.ptp(np.quantile(local[above, 2], MOST))) if above.any() else 0.0
+    if rise < FLAT * short or spread < LEVEL * short:
+        raise NoVaultError(
+            f"no vault found: the best model rises {rise:.2f} m, most of the ceiling {spread:.2f} m, which is flat; "
+            "crop the scan to one bay"
+        )
     share = float(on_vault(placed, site.points[above], site.normals[above], tolerance).mean()) if above.any() else 0.0
     if share < EXPLAINED:
         raise NoVaultError(

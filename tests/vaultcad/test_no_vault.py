@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from families import Dome, Mirror, Sail, Trough, Vault
+from families import FAMILIES, Dome, Sail, Trough, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
 from vaultcad.pipeline import Settings, fit_scan
@@ -46,7 +46,13 @@ def noise(rng: np.random.Generator) -> Points:
 
 @pytest.mark.parametrize(
     ("scene", "family"),
-    [(plane, Sail), (wall, Trough), (flat_room, Mirror), (ball_on_a_floor, Dome), (noise, Sail)],
+    [
+        (plane, Sail),
+        (wall, Trough),
+        *((flat_room, family) for family in FAMILIES),
+        (ball_on_a_floor, Dome),
+        (noise, Sail),
+    ],
     ids=lambda value: value.__name__,
 )
 def test_what_is_no_vault_is_refused(scene: Callable[[np.random.Generator], Points], family: type[Vault]) -> None:

@@ -82,7 +82,7 @@ def test_a_room_without_a_vault_is_refused(run, cube, tmp_path, untouched):
     ("arguments", "said"),
     [
         (["--family", "igloo"], "no vault family is called 'igloo'; there are sail"),
-        (["--up", "x"], "'x' is not one of 'z', 'y'"),
+        (["--up", "w"], "'w' is not one of 'z', 'y', 'x'"),
         (["--seed", "one"], "--seed one: is no number"),
         (["--thickness", "0"], "--thickness 0: lies outside what can be; give 0.01 to 5 m"),
         (["--voxel", "1"], "--voxel"),
