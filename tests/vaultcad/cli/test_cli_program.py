@@ -120,7 +120,10 @@ def test_errors_of_the_system_are_one_line(run, monkeypatch, error, said):
         (["fit"], "Missing argument 'scan'; see vaultcad fit --help"),
         (["ideal"], "see vaultcad ideal --help"),
         (["ideal", "sail"], "Missing option '--out' / '-o'; see vaultcad ideal sail --help"),
-        (["fit", "scan.laz", "-o", "out", "--up", "w"], "'w' is not one of 'z', 'y', 'x', '-z', '-y', '-x', 'auto'; see vaultcad fit --help"),
+        (
+            ["fit", "scan.laz", "-o", "out", "--up", "w"],
+            "'w' is not one of 'z', 'y', 'x', '-z', '-y', '-x', 'auto'; see vaultcad fit --help",
+        ),
         (["scan", "sail", "--origin", "1"], "--origin"),
     ],
 )
