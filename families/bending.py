@@ -12,22 +12,22 @@ from OCP.BRepBuilderAPI import (
     BRepBuilderAPI_MakeEdge,
     BRepBuilderAPI_MakeFace,
     BRepBuilderAPI_MakePolygon,
+    BRepBuilderAPI_MakeSolid,
     BRepBuilderAPI_MakeWire,
     BRepBuilderAPI_NurbsConvert,
     BRepBuilderAPI_Sewing,
 )
-from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepLib import BRepLib
 from OCP.BRepTools import BRepTools_WireExplorer
 from OCP.gp import gp_Pnt
 from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
-from OCP.TopAbs import TopAbs_FORWARD, TopAbs_WIRE
+from OCP.TopAbs import TopAbs_FORWARD, TopAbs_SHELL, TopAbs_WIRE
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shape, TopoDS_Wire
 
-from families.sewing import faces, solids
-from families.sketch import MM
+from families.shapes import faces, is_sound, together
+from families.units import MM
 
 Array = NDArray[np.float64]
 Map = Callable[[Array], Array]
@@ -49,8 +49,8 @@ def bent(shape: TopoDS_Shape, move: Map) -> TopoDS_Shape:
     for face in faces(shape):
         sewing.Add(_bent(face, move))
     sewing.Perform()
-    found = solids(sewing.SewedShape())
-    if not BRepCheck_Analyzer(found).IsValid():
+    found = _solids(sewing.SewedShape())
+    if not is_sound(found):
         raise ValueError("the bent faces do not close")
     return found
 
@@ -64,7 +64,18 @@ def faceted(vertices: Array, triangles: NDArray[np.integer]) -> TopoDS_Shape:
         if made.IsDone():
             sewing.Add(made.Face())
     sewing.Perform()
-    return solids(sewing.SewedShape())
+    return _solids(sewing.SewedShape())
+
+
+def _solids(shape: TopoDS_Shape) -> TopoDS_Shape:
+    """A compound of the solids that the closed shells of a shape bound."""
+    explorer, found = TopExp_Explorer(shape, TopAbs_SHELL), []
+    while explorer.More():
+        solid = BRepBuilderAPI_MakeSolid(TopoDS.Shell_s(explorer.Current())).Solid()
+        BRepLib.OrientClosedSolid_s(solid)
+        found.append(solid)
+        explorer.Next()
+    return together(found)
 
 
 def _bent(face: TopoDS_Face, move: Map) -> TopoDS_Shape:

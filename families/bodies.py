@@ -1,169 +1,103 @@
-"""Bodies of OpenCASCADE [mm] from the parts of a vault: profiles of lines, arcs and ellipses, extruded or turned."""
+"""A body [mm] from the surfaces of a vault's pieces: they are laid cell by cell, and plane ends close them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import lru_cache, reduce
-from math import pi
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import inf
 
-from OCP.BRepAlgoAPI import BRepAlgoAPI_BooleanOperation, BRepAlgoAPI_Common, BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
-from OCP.BRepCheck import BRepCheck_Analyzer
-from OCP.BRepGProp import BRepGProp
-from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox, BRepPrimAPI_MakePrism, BRepPrimAPI_MakeRevol
-from OCP.gp import gp_Ax1, gp_Dir, gp_Pnt, gp_Trsf, gp_Vec
-from OCP.GProp import GProp_GProps
-from OCP.TopAbs import TopAbs_FACE
-from OCP.TopExp import TopExp_Explorer
-from OCP.TopLoc import TopLoc_Location
+import numpy as np
+from numpy.typing import NDArray
 from OCP.TopoDS import TopoDS_Shape
-from OCP.TopTools import TopTools_ListOfShape
 
-from families.cells import BEYOND, Cell, View
-from families.domical import domical
-from families.outline import Bow, Point, half_outline
-from families.parts import Ball, Barrel, Ceiling, Lid, Part, Piece, Turned
-from families.profiles import Arc, Curve
-from families.sketch import MM, TOUCH, Upright, sketch
-from families.trust import has_ellipse, shows
+from families.cells import Cuts
+from families.ends import Box, close
+from families.net import Loop, Net, Patch, Pole
+from families.parts import Ball, Lid, Piece, Turned
+from families.rounds import rounds
+from families.shapes import is_sound
+from families.units import MM
+from families.vault import IDENTITY
+from families.webs import Web, webs
 
-CORNERS = [(True, True), (False, True), (False, False), (True, False)]  # x > 0 and y > 0, counterclockwise
-SLACK = 1e-5  # of a volume
-ACCURACY = 1e-7  # of a volume: not told it, OpenCASCADE misses 1e-5 where two arches are nearly equally high
-FUZZY = (1e-3, 1e-2, 1e-4, 1e-1)  # [mm], tried in turn: surfaces tangent at a corner of a cell meet none too sharply
+Array = NDArray[np.float64]
 
 
-def union(pieces: tuple[Piece, ...], cell: Cell) -> TopoDS_Shape | None:
-    """The union of pieces within a cell (`Turned` parts may stand beyond it); None if there is nothing.
+@dataclass(frozen=True)
+class Skin:
+    """The surface of a union of pieces; `stone` if the body lies outside of it, as it does about the intrados."""
+
+    pieces: tuple[Piece, ...]
+    stone: bool
+
+    @property
+    def top(self) -> float:
+        """Highest point [m]."""
+        return max(part.top for piece in self.pieces for part in piece.parts)
+
+    def webs(self, half: tuple[float, float], cuts: Cuts, alone: bool) -> Iterator[Web]:
+        """Its parts above the ground and within a plan of half extents [m]; with those on its sides if it is alone."""
+        drawn = tuple(p for p in self.pieces if not _is_round(p))
+        for cell in cuts.cells(*half, 0.0, self.top) if drawn else ():
+            yield from webs(drawn, cell, half if alone else (inf, inf))
+        for piece in self.pieces:
+            if _is_round(piece):
+                yield from rounds(piece, np.array(half))
+
+
+def body(
+    half: tuple[float, float], skins: list[Skin], cuts: Cuts, within: Callable[[Array], NDArray[np.bool_]]
+) -> TopoDS_Shape:
+    """The solid between skins, the ground, and the sides of a plan of half extents [m]; `within` knows its points [m].
 
     Raises:
-        ValueError: OpenCASCADE cannot intersect the bodies.
+        ValueError: its faces do not close, or OpenCASCADE finds a fault in it.
     """
-    shape = _union(pieces, cell)
-    if shape is not None and has_ellipse(pieces) and not shows(shape, pieces, cell):
-        raise ValueError("OpenCASCADE cannot intersect the ellipses of this vault; change a parameter a little")
+    lids = {part.z for skin in skins for piece in skin.pieces for part in piece.parts if isinstance(part, Lid)}
+    box = Box((MM * half[0], MM * half[1]), MM * max(skin.top for skin in skins), tuple(MM * z for z in sorted(lids)))
+    net = Net()
+    patches = [
+        Patch(web.sheet, [_counterclockwise(web)], flipped=skin.stone != web.inwards)
+        for skin in skins
+        for web in skin.webs(half, cuts, alone=len(skins) == 1)
+    ]
+    for patch in patches:
+        net.meet(patch.loops[0])
+    for corner in box.corners():
+        net.vertex(corner)
+    for patch in patches:
+        net.add(patch)
+    close(net, box, lambda points: within(points / MM))
+    shape = net.solids()
+    if not is_sound(shape):
+        raise ValueError("OpenCASCADE finds a fault in the body of this vault; change a parameter a little")
     return shape
 
 
-def _union(pieces: tuple[Piece, ...], cell: Cell) -> TopoDS_Shape | None:
-    shapes = [shape for piece in pieces if (shape := _piece(piece, cell)) is not None]
-    if len(shapes) > 1:
-        sizes = [volume(shape) for shape in shapes]
-        bounds = (1 - SLACK) * max(sizes), (1 + SLACK) * sum(sizes)
-        return _boolean(BRepAlgoAPI_Fuse, shapes[:1], shapes[1:], lambda found: bounds[0] < found < bounds[1])
-    return shapes[0] if shapes else None
+def inside(pieces: tuple[Piece, ...], half: tuple[float, float], points: Array) -> NDArray[np.bool_]:
+    """Whether points (n, 3) [m] are in a void above the ground; what is turned may stand beyond the plan."""
+    from families import kernel
+
+    plan = (np.abs(points[:, :2]) < half).all(axis=1)
+    found = np.zeros(len(points), bool)
+    for piece in pieces:
+        turned = [part for part in piece.parts if isinstance(part, Turned)]
+        names = {n: 0 for part in piece.parts if not isinstance(part, Lid) for n in part.names}
+        table = kernel.pack((piece,), tuple(names))
+        here = kernel.distances(points, IDENTITY, table, kernel.pack_plan(None)) < 0
+        found |= here & (points[:, 2] > min(part.foot for part in turned) if turned else plan)
+    found &= points[:, 2] > 0
+    return found
 
 
-def cut(shape: TopoDS_Shape, tool: TopoDS_Shape, left: float) -> TopoDS_Shape:
-    """A body without another, of which a volume `left` [mm³] should stay."""
-    size = volume(shape)
-    return _boolean(BRepAlgoAPI_Cut, [shape], [tool], lambda found: abs(found - left) < SLACK * size)
+def _is_round(piece: Piece) -> bool:
+    return any(isinstance(part, Ball | Turned) for part in piece.parts)
 
 
-def common(shape: TopoDS_Shape, tool: TopoDS_Shape) -> TopoDS_Shape:
-    """What two bodies share."""
-    most = min(volume(shape), volume(tool))
-    return _boolean(BRepAlgoAPI_Common, [shape], [tool], lambda found: found < (1 + SLACK) * most)
-
-
-@lru_cache(maxsize=32)  # each body is weighed as a result, and again as a part of the next
-def volume(shape: TopoDS_Shape) -> float:
-    """Volume [mm³]."""
-    sums = GProp_GProps()
-    BRepGProp.VolumeProperties_s(shape, sums, ACCURACY)
-    return float(sums.Mass())
-
-
-def _boolean(
-    operation: type[BRepAlgoAPI_BooleanOperation],
-    shapes: Sequence[TopoDS_Shape],
-    tools: Sequence[TopoDS_Shape],
-    may_be: Callable[[float], bool],
-) -> TopoDS_Shape:
-    """The result with the first of the tolerances that gives a sound one; some fail without saying so."""
-    for tolerance in FUZZY:
-        step = operation()
-        step.SetArguments(_listed(shapes))
-        step.SetTools(_listed(tools))
-        step.SetFuzzyValue(tolerance)
-        step.Build()
-        if step.IsDone() and is_sound(step.Shape()) and may_be(volume(step.Shape())):
-            return step.Shape()
-    raise ValueError(f"OpenCASCADE cannot do {operation.__name__} on this vault; change a parameter a little")
-
-
-def is_sound(shape: TopoDS_Shape) -> bool:
-    """Whether a shape has a face and OpenCASCADE finds no fault in it."""
-    return bool(TopExp_Explorer(shape, TopAbs_FACE).More() and BRepCheck_Analyzer(shape).IsValid())
-
-
-def _listed(shapes: Sequence[TopoDS_Shape]) -> TopTools_ListOfShape:
-    listed = TopTools_ListOfShape()
-    for shape in shapes:
-        listed.Append(shape)
-    return listed
-
-
-def _piece(piece: Piece, cell: Cell) -> TopoDS_Shape | None:
-    views = [View(part, cell) for part in piece.parts if isinstance(part, Barrel)]
-    if any(view.outside for view in views):
-        return None
-    views = [view for view in views if view.bounds]
-    # Where walls reach the ground, nothing else needs to end there.
-    reach = replace(cell, low=cell.low - BEYOND * (cell.high - cell.low)) if views else cell
-    for view in views:
-        reach = view.widened(reach)
-    shapes = [_barrel(view, replace(reach, low=cell.low)) for view in views]
-    shapes += [_body(part, reach) for part in piece.parts if not isinstance(part, Barrel)]
-    if any(isinstance(part, Ball) for part in piece.parts):
-        shapes.append(box(cell))
-    return reduce(common, shapes)
-
-
-def _barrel(view: View, reach: Cell) -> TopoDS_Shape:
-    part, (start, end) = view.part, reach.side("y" if view.part.across == "x" else "x")
-    low = reach.low - part.base
-    bows = half_outline(part.curve, view.near, view.far, low - part.crown_rise)
-    if part.crown_rise:
-        drop = min(0.0, part.lift(start), part.lift(end))  # beyond the vault its axis falls below the springing
-        return domical(part, view.sign, bows, view.near, reach.low + drop, (start, end))
-    outline: list[Point | Bow] = [(view.near, low), (bows[0].at(bows[0].start)[0], low), *bows]
-    if view.near > TOUCH:
-        outline.append((view.near, bows[-1].at(bows[-1].end)[1]))
-    face = sketch(outline, Upright(part.across, part.centre, start, part.base, view.sign))
-    vector = (0.0, end - start, 0.0) if part.across == "x" else (end - start, 0.0, 0.0)
-    return BRepPrimAPI_MakePrism(face, gp_Vec(*vector).Multiplied(MM)).Shape()
-
-
-def _body(part: Part, cell: Cell) -> TopoDS_Shape:
-    match part:
-        case Ball():
-            ball = Curve(part.radius, part.radius, 0.0, (Arc(0.0, 0.0, part.radius),))
-            return _turned(ball, part.z, cell.low, cell)
-        case Turned():
-            return _turned(part.curve, part.base, part.foot, cell)
-        case Ceiling() | Lid():
-            return box(replace(cell, high=part.z))
-    raise TypeError(f"{type(part).__name__} has no body of its own")
-
-
-def box(cell: Cell) -> TopoDS_Shape:
-    """The cell as a body."""
-    corners = zip(cell.x, cell.y, (cell.low, cell.high), strict=True)
-    return BRepPrimAPI_MakeBox(*(gp_Pnt(*(MM * value for value in corner)) for corner in corners)).Shape()
-
-
-def _turned(curve: Curve, base: float, foot: float, cell: Cell) -> TopoDS_Shape:
-    """A curve turned about z, down to `foot`: a whole turn, or the quarter in which the cell lies."""
-    low = foot - base
-    bows = half_outline(curve, 0.0, curve.half_span, low)
-    wall = bows[0].at(bows[0].start)[0]
-    springing = [(wall, 0.0)] if low < -TOUCH else []  # where the drum ends, though a stilt goes on
-    outline: list[Point | Bow] = [(0.0, low), (wall, low), *springing, *bows]
-    face, axis = sketch(outline, Upright("x", 0.0, 0.0, base, 1)), gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1))
-    corner = sum(cell.x) > 0, sum(cell.y) > 0
-    if cell.x[0] < 0 < cell.x[1]:
-        return BRepPrimAPI_MakeRevol(face, axis).Shape()
-    quarter, turn = BRepPrimAPI_MakeRevol(face, axis, pi / 2).Shape(), gp_Trsf()
-    turn.SetRotation(axis, pi / 2 * CORNERS.index(corner))
-    return quarter.Moved(TopLoc_Location(turn))
+def _counterclockwise(web: Web) -> Loop:
+    """The loop of a web so that it runs about its face to the left."""
+    if any(isinstance(step, Pole) for step in web.loop):
+        return web.loop
+    u, v = web.sheet.parameters(np.concatenate([step.places[:2] for step in web.loop])).T
+    area = u @ np.roll(v, -1) - np.roll(u, -1) @ v
+    return web.loop if area > 0 else [step.reversed for step in web.loop[::-1]]

@@ -2,72 +2,61 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
-from families.bodies import cut, is_sound, union, volume
+from families.bodies import Skin, body, inside
 from families.cells import cuts
-from families.hulls import hull, sides
 from families.palette import Colour, colour
-from families.parts import Piece, Plan
-from families.reuse import Scene, made
-from families.sewing import faces, inner_points, sewn
+from families.shapes import faces, inner_points
 from families.vault import Vault
 
 if TYPE_CHECKING:
     import build123d
 
 EXTRADOS, SIDE = "extrados", "side"
-OVAL, OVAL_ERROR = 8, 3e-4  # pairs of arcs in a quarter; [m] off ellipses of usual sizes, far below any thickness
-EXACT = 1e-6  # [m]
+EXACT, BENT = 1e-6, 3e-4  # [m] that faces may be off the numeric surface, and those of skewed vaults
 FACETS = 2e-3  # [m] that plane facets may be off
 CORNER = 0.3  # [mm], see `workable`
 
 
 def void(vault: Vault) -> TopoDS_Shape:
-    """The room under the vault, above the springing and within the plan; about ellipses see `_built`."""
+    """The room under the vault, above the springing and within the plan.
+
+    Raises:
+        ValueError: OpenCASCADE finds a fault in it.
+    """
     if vault.skew is not None:
         return _skewed(vault, void(vault.straight))
-    return _built(vault, lambda pieces: _void(pieces, vault.plan))
-
-
-def _void(pieces: tuple[Piece, ...], plan: Plan) -> TopoDS_Shape:
-    where = cuts(pieces, plan)
-    cells = where.cells(plan.half_x, plan.half_y, 0.0, _top(pieces))
-    return sewn(made([((pieces, cell),) for cell in cells], lambda scenes: union(*scenes[0])), where)
+    pieces, plan = vault.pieces(), vault.plan
+    half = (plan.half_x, plan.half_y)
+    return body(half, [Skin(pieces, stone=False)], cuts(pieces, plan), lambda points: inside(pieces, half, points))
 
 
 def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
     """The void grown by a thickness [m] without the void itself; it stands on walls where the plan says so.
 
-    About ellipses see `_built`.
-
     Raises:
-        ValueError: the thickness is not above 0.
+        ValueError: the thickness is not above 0, or OpenCASCADE finds a fault in the body.
     """
     if not thickness > 0:
         raise ValueError(f"thickness = {thickness:g} m must be above 0")
     if vault.skew is not None:
         return _skewed(vault, masonry(vault.straight, thickness))
-    return _built(vault, lambda pieces: _masonry(pieces, vault.plan, thickness))
-
-
-def _masonry(pieces: tuple[Piece, ...], plan: Plan, thickness: float) -> TopoDS_Shape:
-    grown, where = tuple(piece.grown(thickness) for piece in pieces), cuts(pieces, plan)
-    top, half_x, half_y = (
-        _top(grown),
-        plan.half_x + thickness * plan.on_wall_x,
-        plan.half_y + thickness * plan.on_wall_y,
+    pieces, plan = vault.pieces(), vault.plan
+    grown = tuple(piece.grown(thickness) for piece in pieces)
+    half = (plan.half_x + thickness * plan.on_wall_x, plan.half_y + thickness * plan.on_wall_y)
+    skins = [Skin(pieces, stone=True), Skin(grown, stone=False)]
+    # What is taken away is not bounded by the plan: the mouths of lunettes stay open.
+    return body(
+        half,
+        skins,
+        cuts(pieces, plan),
+        lambda points: inside(grown, half, points) & ~inside(pieces, (inf, inf), points),
     )
-    # What is taken away is longer than what is left, so that no faces coincide and the mouths of lunettes stay open.
-    outer = list(where.cells(half_x, half_y, 0.0, top))
-    inner = where.cells(half_x + thickness, half_y + thickness, -thickness, top)
-    jobs = [((grown, here), (pieces, here), (pieces, beyond)) for here, beyond in zip(outer, inner, strict=True)]
-    shape = sewn(made(jobs, _hull), where)
-    return shape if is_sound(shape) else sewn(made(jobs, _shell), where)
 
 
 def _skewed(vault: Vault, straight: TopoDS_Shape) -> TopoDS_Shape:
@@ -78,45 +67,8 @@ def _skewed(vault: Vault, straight: TopoDS_Shape) -> TopoDS_Shape:
     try:
         return bent(straight, vault.bent)
     except (ValueError, RuntimeError):  # OCP tells OpenCASCADE's failures as RuntimeError
-        body = mesh_body(straight, FACETS)
-        return faceted(vault.bent(body.vertices), body.triangles)
-
-
-def _built(vault: Vault, build: Callable[[tuple[Piece, ...]], TopoDS_Shape]) -> TopoDS_Shape:
-    """The body of a vault's pieces, exact, or with ovals for ellipses where OpenCASCADE cannot intersect those.
-
-    It fails where two elliptical barrels are almost equally high, and touch at the crown. The ovals are within
-    `OVAL_ERROR` of the ellipses.
-    """
-    pieces = vault.pieces()
-    try:
-        return build(pieces)
-    except ValueError:
-        ovals = tuple(piece.as_oval(OVAL) for piece in pieces)
-        if ovals == pieces:
-            raise
-        return build(ovals)
-
-
-def _hull(scenes: tuple[Scene, ...]) -> TopoDS_Shape | None:
-    """The faces of a cell's masonry."""
-    outside, inside, (_, beyond) = scenes
-    whole, hollow, here = union(*outside), union(*inside), outside[1]
-    if whole is None or hollow is None:
-        return whole
-    ends = (side for side, further in zip(sides(here), sides(beyond), strict=True) if side != further)
-    try:
-        return hull(whole, hollow, here, ends)
-    except ValueError:
-        return _shell(scenes)
-
-
-def _shell(scenes: tuple[Scene, ...]) -> TopoDS_Shape | None:
-    """A cell's masonry as a body: slower, and does without cutting faces in one plane."""
-    whole, hollow, room = (union(*scene) for scene in scenes)
-    if whole is None or hollow is None or room is None:
-        return whole
-    return cut(whole, room, volume(whole) - volume(hollow))
+        made = mesh_body(straight, FACETS)
+        return faceted(vault.bent(made.vertices), made.triangles)
 
 
 def room(vault: Vault) -> build123d.Part:
@@ -192,7 +144,7 @@ def face_names(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> list[tupl
     ground = np.abs(points[:, 2]) < EXACT
     side = ground | (np.abs(np.abs(points[:, :2]) - half) < EXACT).any(axis=1)
     # Walls of a stilt stand on the plan's edge and are of the surface; other faces there only come near it.
-    shown = ~ground & (np.abs(here.distance) < np.where(side, EXACT, OVAL_ERROR))
+    shown = ~ground & (np.abs(here.distance) < np.where(side, EXACT, BENT))
     names = (EXTRADOS, SIDE, *vault.components)
     kind = np.where(shown, here.component + 1, side)
     return [(face, names[k]) for face, k in zip(found, kind, strict=True)]
@@ -207,7 +159,3 @@ def _colour(shade: Colour) -> build123d.Color:
     import build123d
 
     return build123d.Color(*shade.unit)
-
-
-def _top(pieces: tuple[Piece, ...]) -> float:
-    return max(part.top for piece in pieces for part in piece.parts)

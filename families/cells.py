@@ -1,19 +1,17 @@
 """The plan of a vault cut into cells, in each of which every body shows one side of its profile.
 
-Solids are made cell by cell: surfaces then meet once and at the corners of a cell rather than touch in its middle,
-which keeps the intersections of OpenCASCADE quick and safe.
+Surfaces are laid cell by cell: in each they rise from the wall to the crown, and two of them meet in one line.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise, product
 
 from families.parts import Ball, Barrel, Direction, Piece, Plan
 
 NEAR = 1e-6  # [m], cuts nearer than that are one
-BEYOND = 0.2  # how far, by its size, a body that is cut by others is made beyond its cell, so that no faces coincide
 
 
 @dataclass(frozen=True)
@@ -105,12 +103,3 @@ class View:
     def outside(self) -> bool:
         """Whether the cell lies behind the wall."""
         return self.bounds and self.near > self.part.curve.half_span - NEAR
-
-    def widened(self, cell: Cell) -> Cell:
-        """The cell beyond the barrel's wall if that stands in it, so that other bodies are cut by the wall alone."""
-        if self.part.curve.half_span > self.far:
-            return cell
-        start, end = cell.side(self.part.across)
-        size = BEYOND * (end - start) + NEAR
-        side = (start, end + size) if self.sign > 0 else (start - size, end)
-        return replace(cell, x=side) if self.part.across == "x" else replace(cell, y=side)

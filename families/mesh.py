@@ -67,7 +67,7 @@ def mesh_solid(
 
 def mesh_body(shape: TopoDS_Shape, tolerance: float) -> Mesh:
     """A closed mesh of any body [mm]; `component` is 0 throughout."""
-    from families.sewing import faces
+    from families.shapes import faces
 
     return _meshed(shape, [(face, 0) for face in faces(shape)], tolerance, inward=False)
 
@@ -83,7 +83,7 @@ def _meshed(shape: TopoDS_Shape, faces: list[tuple[TopoDS_Face, int]], tolerance
     from OCP.TopAbs import TopAbs_REVERSED
     from OCP.TopLoc import TopLoc_Location
 
-    from families.sketch import MM
+    from families.units import MM
 
     BRepMesh_IncrementalMesh(shape, MM * tolerance, False, ANGLE, False)
     points, corners, names, offset = [], [], [], 0

@@ -145,14 +145,6 @@ class Piece:
                 parts[k] = part.grown(part.curve.thickness_below(level - part.base - part.crown_rise))
         return Piece(tuple(parts))
 
-    def as_oval(self, pairs: int) -> Piece:
-        """With ellipses drawn as so many pairs of arcs in a quarter; the piece itself if it has none."""
-        return Piece(tuple(_as_oval(p, pairs) if isinstance(p, Barrel | Turned) else p for p in self.parts))
-
-
-def _as_oval(part: Barrel | Turned, pairs: int) -> Barrel | Turned:
-    return part if part.curve.arcs else replace(part, curve=replace(part.curve, oval=pairs))
-
 
 @dataclass(frozen=True)
 class Plan:

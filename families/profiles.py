@@ -25,14 +25,12 @@ class Curve:
 
     A vertical line of length `stilt` at u = half_span, then `arcs` from the springing to the crown
     (one or two, tangent to each other), or an ellipse with the half axes half_span and rise if there are none.
-    A B-Rep may draw that ellipse as an oval of `oval` pairs of arcs; the numeric surface does not.
     """
 
     half_span: float
     rise: float
     stilt: float = 0.0
     arcs: tuple[Arc, ...] = ()
-    oval: int = 0
 
     @property
     def crown_radius(self) -> float:
@@ -44,7 +42,7 @@ class Curve:
         arcs = tuple(Arc(a.u, a.z, a.radius + thickness) for a in self.arcs)
         top = arcs[-1] if arcs else None
         rise = self.rise + thickness if top is None else top.z + sqrt(top.radius**2 - top.u**2)
-        return Curve(self.half_span + thickness, rise, self.stilt, arcs, self.oval)
+        return Curve(self.half_span + thickness, rise, self.stilt, arcs)
 
     def thickness_below(self, rise: float) -> float:
         """The thickness [m] with which `grown` reaches a rise [m]."""

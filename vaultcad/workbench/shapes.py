@@ -44,23 +44,13 @@ def made(vault: Vault, thickness: float) -> tuple[TopoDS_Shape, list[str]]:
         ValueError: the thickness [m] is below 0, or OpenCASCADE cannot build the vault.
     """
     from families import brep
+    from families.shapes import together
 
     if thickness:
         shape = brep.masonry(vault, thickness)
         return shape, [name for _, name in brep.face_names(shape, vault)]
     named = [(face, name) for face, name in brep.face_names(brep.void(vault), vault) if name in vault.components]
-    return _together([face for face, _ in named]), [name for _, name in named]
-
-
-def _together(faces: list[Any]) -> TopoDS_Shape:
-    from OCP.BRep import BRep_Builder
-    from OCP.TopoDS import TopoDS_Compound
-
-    compound, builder = TopoDS_Compound(), BRep_Builder()
-    builder.MakeCompound(compound)
-    for face in faces:
-        builder.Add(compound, face)
-    return compound
+    return together([face for face, _ in named]), [name for _, name in named]
 
 
 def _write(shape: TopoDS_Shape, path: Path) -> None:

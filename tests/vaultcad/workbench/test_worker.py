@@ -19,7 +19,7 @@ from OCP.BRepTools import BRepTools
 from OCP.TopoDS import TopoDS_Shape
 
 from families import FAMILIES, brep, family
-from families.bodies import volume
+from families.shapes import volume
 from vaultcad.workbench.declarations import declared, profiles_of, vault_of
 from vaultcad.workbench.install import ADD_ON
 

@@ -1,0 +1,3 @@
+"""Units: parameters are in metres, B-Rep in millimetres."""
+
+MM = 1000.0
