@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from math import inf
 
@@ -14,13 +14,16 @@ from families.cells import Cuts
 from families.ends import Box, close
 from families.net import Loop, Net, Patch, Pole
 from families.parts import Ball, Lid, Piece, Turned
+from families.regions import area
 from families.rounds import rounds
-from families.shapes import is_sound
+from families.shapes import is_sound, together
+from families.sheets import Flat
 from families.units import MM
 from families.vault import IDENTITY
 from families.webs import Web, webs
 
 Array = NDArray[np.float64]
+THIN = 1e-4  # of the square of its size, the area in plan of a face that is all but plumb
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,21 @@ def body(
     """
     lids = {part.z for skin in skins for piece in skin.pieces for part in piece.parts if isinstance(part, Lid)}
     box = Box((MM * half[0], MM * half[1]), MM * max(skin.top for skin in skins), tuple(MM * z for z in sorted(lids)))
+    net = _laid(half, skins, cuts, box.corners())
+    close(net, box, lambda points: within(points / MM))
+    shape = net.solids()
+    if not is_sound(shape):
+        raise ValueError("OpenCASCADE finds a fault in the body of this vault; change a parameter a little")
+    return shape
+
+
+def surface(half: tuple[float, float], skin: Skin, cuts: Cuts) -> TopoDS_Shape:
+    """The faces of a skin alone, above the ground and within a plan of half extents [m]."""
+    return together(face for face, _ in _laid(half, [skin], cuts, ()).faces)
+
+
+def _laid(half: tuple[float, float], skins: list[Skin], cuts: Cuts, corners: Iterable[Array]) -> Net:
+    """A net of the faces of skins; it has vertices at the corners too."""
     net = Net()
     patches = [
         Patch(web.sheet, [_counterclockwise(web)], flipped=skin.stone != web.inwards)
@@ -63,15 +81,11 @@ def body(
     ]
     for patch in patches:
         net.meet(patch.loops[0])
-    for corner in box.corners():
+    for corner in corners:
         net.vertex(corner)
     for patch in patches:
         net.add(patch)
-    close(net, box, lambda points: within(points / MM))
-    shape = net.solids()
-    if not is_sound(shape):
-        raise ValueError("OpenCASCADE finds a fault in the body of this vault; change a parameter a little")
-    return shape
+    return net
 
 
 def inside(pieces: tuple[Piece, ...], half: tuple[float, float], points: Array) -> NDArray[np.bool_]:
@@ -98,6 +112,9 @@ def _counterclockwise(web: Web) -> Loop:
     """The loop of a web so that it runs about its face to the left."""
     if any(isinstance(step, Pole) for step in web.loop):
         return web.loop
-    u, v = web.sheet.parameters(np.concatenate([step.places[:2] for step in web.loop])).T
-    area = u @ np.roll(v, -1) - np.roll(u, -1) @ v
-    return web.loop if area > 0 else [step.reversed for step in web.loop[::-1]]
+    points = np.concatenate([step.places[:2] for step in web.loop])
+    # Normals away from the void look up, unless a face is all but plumb: the plan tells, and costs less.
+    turn = 0.0 if isinstance(web.sheet, Flat) else area(points[:, :2])
+    if abs(turn) < THIN * np.ptp(points, axis=0).max() ** 2:
+        turn = area(web.sheet.parameters(points))
+    return web.loop if turn > 0 else [step.reversed for step in web.loop[::-1]]

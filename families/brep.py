@@ -9,9 +9,10 @@ import numpy as np
 from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
 from families.bodies import Skin, body, inside
+from families.bodies import surface as laid
 from families.cells import cuts
 from families.palette import Colour, colour
-from families.shapes import faces, inner_points
+from families.shapes import faces, inner_points, together
 from families.vault import Vault
 
 if TYPE_CHECKING:
@@ -34,6 +35,15 @@ def void(vault: Vault) -> TopoDS_Shape:
     pieces, plan = vault.pieces(), vault.plan
     half = (plan.half_x, plan.half_y)
     return body(half, [Skin(pieces, stone=False)], cuts(pieces, plan), lambda points: inside(pieces, half, points))
+
+
+def surface(vault: Vault) -> TopoDS_Shape:
+    """The faces of the void that are not "side": the intrados, and the walls of stilts below it."""
+    if vault.skew is not None:
+        named = face_names(void(vault), vault)
+        return together(face for face, name in named if name in vault.components)
+    plan = vault.plan
+    return laid((plan.half_x, plan.half_y), Skin(vault.pieces(), stone=False), cuts(vault.pieces(), plan))
 
 
 def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
@@ -85,7 +95,7 @@ def intrados(vault: Vault) -> build123d.Compound:
     """
     import build123d
 
-    named = named_faces(void(vault), vault)
+    named = named_faces(surface(vault), vault)
     children = [
         build123d.Compound(list(named[name]), label=name, color=named[name][0].color)
         for name in vault.components

@@ -43,7 +43,7 @@ def mesh(vault: Vault, tolerance: float = 0.002) -> Mesh:
 
     if vault.skew is not None:
         return _skewed(vault, mesh(vault.straight, tolerance))
-    shape = brep.void(vault)
+    shape = brep.surface(vault)
     ids = {name: k for k, name in enumerate(vault.components, 1)}
     found = [(face, ids[name]) for face, name in brep.face_names(shape, vault) if name in ids]
     return _meshed(shape, found, tolerance, inward=True)

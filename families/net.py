@@ -26,9 +26,10 @@ from OCP.TopoDS import (
     TopoDS_Wire,
 )
 
-from families.curves import Path, drawn
+from families.curves import Path
 from families.shapes import together
 from families.sheets import Flat, Sheet
+from families.units import MM
 
 Array = NDArray[np.float64]
 ONE = 1e-3  # [mm], points nearer than that are one
@@ -74,7 +75,7 @@ class Edge:
     shape: TopoDS_Edge
     step: Step
     ends: tuple[int, int]
-    middle: Array
+    middle: tuple[float, ...]
     uses: int = 0
 
 
@@ -99,6 +100,7 @@ class Net:
     faces: list[tuple[TopoDS_Face, list[int]]] = field(default_factory=list)  # with the edges of each
     covered: dict[Flat, list[tuple[int, bool]]] = field(default_factory=dict)  # edges with a plane face on their left
     _coordinates: list[tuple[float, float, float]] = field(default_factory=list)
+    _known: dict[tuple[float, float, float], int] = field(default_factory=dict)  # vertices by the points asked for
     _near: dict[tuple[int, ...], list[int]] = field(default_factory=dict)  # vertices by the cubes of 1 mm around them
     _places: Array = field(default_factory=lambda: np.empty((0, 3)))
     _between: dict[tuple[int, int], list[int]] = field(default_factory=dict)
@@ -106,7 +108,13 @@ class Net:
     def vertex(self, point: Array) -> int:
         """The vertex at a point (3,), old or new."""
         x, y, z = point.tolist()
-        for key in product(*({floor(value - ONE), floor(value + ONE)} for value in (x, y, z))):
+        if (x, y, z) not in self._known:
+            self._known[x, y, z] = self._vertex(x, y, z)
+        return self._known[x, y, z]
+
+    def _vertex(self, x: float, y: float, z: float) -> int:
+        low, high = (floor(x - ONE), floor(y - ONE), floor(z - ONE)), (floor(x + ONE), floor(y + ONE), floor(z + ONE))
+        for key in (low,) if low == high else product(*map(set, zip(low, high, strict=True))):
             for k in self._near.get(key, ()):
                 there = self._coordinates[k]
                 if abs(there[0] - x) < ONE and abs(there[1] - y) < ONE and abs(there[2] - z) < ONE:
@@ -127,8 +135,6 @@ class Net:
 
     def split(self, step: Step) -> Loop:
         """A step cut at all vertices that lie on it."""
-        if isinstance(step, Pole):
-            return [step]
         beside = step.path.beside(self.places, ONE)
         if len(beside) <= 2:
             return [step]
@@ -150,17 +156,25 @@ class Net:
         return self._found((self.vertex(first), self.vertex(last)), middle)
 
     def _found(self, ends: tuple[int, int], middle: Array) -> int | None:
-        between = self._between.get((min(ends), max(ends)), [])
-        return next((k for k in between if np.abs(self.edges[k].middle - middle).max() < ONE), None)
+        x, y, z = middle.tolist()
+        for k in self._between.get((min(ends), max(ends)), ()):
+            there = self.edges[k].middle
+            if abs(there[0] - x) < ONE and abs(there[1] - y) < ONE and abs(there[2] - z) < ONE:
+                return k
+        return None
 
-    def edge(self, step: Step) -> tuple[int, bool] | None:
-        """The edge of a step and whether it runs the same way; None where the step is no longer than a vertex."""
+    def along(self, step: Step) -> list[tuple[int, bool]]:
+        """The edges along a step, and whether each runs the same way; none where it is no longer than a vertex."""
         first, middle, last = step.places
         ends = self.vertex(first), self.vertex(last)
         if ends[0] == ends[1]:
-            return None
+            return []
         if (k := self._found(ends, middle)) is not None:
-            return k, self.edges[k].ends == ends
+            return [(k, self.edges[k].ends == ends)]
+        parts = self.split(step)
+        return [self._edge(step, ends)] if len(parts) == 1 else [edge for part in parts for edge in self.along(part)]
+
+    def _edge(self, step: Step, ends: tuple[int, int]) -> tuple[int, bool]:
         forward = step if step.end > step.start else step.reversed
         along = ends if step.end > step.start else ends[::-1]
         shape, builder = TopoDS_Edge(), BRep_Builder()
@@ -168,7 +182,7 @@ class Net:
         builder.Add(shape, self.vertices[along[0]].Oriented(TopAbs_FORWARD))
         builder.Add(shape, self.vertices[along[1]].Oriented(TopAbs_REVERSED))
         builder.Range(shape, forward.start, forward.end)
-        self.edges.append(Edge(shape, forward, along, middle))
+        self.edges.append(Edge(shape, forward, along, tuple(step.places[1].tolist())))
         self._between.setdefault((min(ends), max(ends)), []).append(len(self.edges) - 1)
         return len(self.edges) - 1, forward is step
 
@@ -190,13 +204,13 @@ class Net:
 
     def _wire(self, face: TopoDS_Face, sheet: Sheet, loop: Loop, used: list[int]) -> None:
         way: list[tuple[int, bool] | Pole] = []
-        for step in (part for whole in loop for part in self.split(whole)):
+        for step in loop:
             if isinstance(step, Pole):
                 way.append(step)
-            elif (here := self.edge(step)) is not None:
+                continue
+            for k, forward in self.along(step):
                 # There and back again is no way: faces narrower than a vertex are none.
-                back = (here[0], not here[1])
-                way.remove(back) if back in way else way.append(here)
+                way.remove((k, not forward)) if (k, not forward) in way else way.append((k, forward))
         if not way:
             return
         wire, builder = TopoDS_Wire(), BRep_Builder()
@@ -207,7 +221,7 @@ class Net:
                 continue
             edge, forward = self.edges[item[0]], item[1]
             if not isinstance(sheet, Flat):
-                curve = drawn(edge.step.path, edge.step.start, edge.step.end, sheet.parameters)
+                curve = sheet.trace(edge.step.path, edge.step.start, edge.step.end)
                 builder.UpdateEdge(edge.shape, curve, sheet.geometry, HERE, EDGE)
             else:
                 self.covered.setdefault(sheet, []).append(item)
@@ -238,7 +252,7 @@ class Net:
         """
         open_ = [edge.middle for edge in self.edges if edge.uses % 2]
         if open_:
-            x, y, z = (open_[0] / 1000).round(3).tolist()
+            x, y, z = (round(value / MM, 3) for value in open_[0])
             raise ValueError(f"faces leave a gap at ({x:g}, {y:g}, {z:g}) m; change a parameter a little")
         builder, found = BRep_Builder(), []
         for group in _connected([used for _, used in self.faces]):

@@ -24,15 +24,21 @@ def regions(plane: Flat, steps: Loop) -> list[list[Loop]]:
     """
     loops = _loops(plane, steps)
     outlines = [np.concatenate([plane.parameters(step.points(*OUTLINE)) for step in loop]) for loop in loops]
-    areas = [_area(outline) for outline in outlines]
-    outer = [k for k, area in enumerate(areas) if area > 0]
+    areas = [area(outline) for outline in outlines]
+    outer = [k for k, size in enumerate(areas) if size > 0]
     found = {k: [loops[k]] for k in outer}
-    for hole in (k for k, area in enumerate(areas) if area < 0):
+    for hole in (k for k, size in enumerate(areas) if size < 0):
         around = [k for k in outer if _contains(outlines[k], outlines[hole][0])]
         if not around:
             raise ValueError("a plane end of this vault has a hole and no bounds; change a parameter a little")
         found[min(around, key=lambda k: areas[k])].append(loops[hole])
     return list(found.values())
+
+
+def area(outline: Array) -> float:
+    """Area of a polygon (n, 2), below 0 if it runs clockwise."""
+    x, y = (outline - outline[0]).T
+    return float(x[:-1] @ y[1:] - x[1:] @ y[:-1]) / 2  # the last step leads back to the origin
 
 
 def _loops(plane: Flat, steps: Loop) -> list[Loop]:
@@ -66,11 +72,6 @@ def _clockwise(start: Array, end: Array) -> float:
     """Angle from one direction clockwise to another, in (0, 2 pi]."""
     turn = (atan2(end[1], end[0]) - atan2(start[1], start[0])) % (2 * pi)
     return 2 * pi - turn
-
-
-def _area(outline: Array) -> float:
-    x, y = (outline - outline[0]).T
-    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum()) / 2
 
 
 def _contains(outline: Array, point: Array) -> bool:

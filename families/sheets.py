@@ -21,11 +21,12 @@ from OCP.Geom import (
     Geom_SurfaceOfLinearExtrusion,
     Geom_SurfaceOfRevolution,
 )
-from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Pnt
+from OCP.Geom2d import Geom2d_Curve, Geom2d_Line
+from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.TColgp import TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array2OfReal
 
-from families.curves import AXES, Bezier, Conic, Path, Straight, arc_parameter, arc_poles, arc_weight
+from families.curves import AXES, Bezier, Conic, Path, Straight, arc_parameter, arc_poles, arc_weight, drawn
 from families.outline import Bow
 from families.parts import Barrel
 from families.units import MM
@@ -45,6 +46,10 @@ class Sheet(ABC):
     @abstractmethod
     def parameters(self, points: Array) -> Array:
         """Parameters (n, 2) of points (n, 3) on the surface."""
+
+    def trace(self, path: Path, start: float, end: float) -> Geom2d_Curve:
+        """A path on the surface in its parameters, from one parameter of its own to another."""
+        return drawn(path, start, end, self.parameters)
 
 
 @dataclass(frozen=True)
@@ -128,6 +133,16 @@ class Drawn(Sheet):
     def parameters(self, points: Array) -> Array:
         """Angle and place along."""
         return np.stack([self._directrix.parameters(points), points @ self._frame.along], axis=1)
+
+    def trace(self, path: Path, start: float, end: float) -> Geom2d_Curve:
+        """A straight line for its rulings and arches, which need no look at their points."""
+        along, conic = self._frame.along, self._directrix
+        if isinstance(path, Straight) and path.axis == 1 - self.side.axis:
+            u, v = self.parameters(path.points(np.zeros(1)))[0].tolist()
+            return Geom2d_Line(gp_Pnt2d(u, v), gp_Dir2d(0.0, float(along[path.axis])))
+        if isinstance(path, Conic) and (path.x, path.y, path.a, path.b) == (conic.x, conic.y, conic.a, conic.b):
+            return Geom2d_Line(gp_Pnt2d(0.0, float(np.dot(path.centre, along))), gp_Dir2d(1.0, 0.0))
+        return super().trace(path, start, end)
 
     def arch(self, along: float) -> Conic:
         """The bow at a coordinate along the barrel [m]."""

@@ -44,13 +44,9 @@ def made(vault: Vault, thickness: float) -> tuple[TopoDS_Shape, list[str]]:
         ValueError: the thickness [m] is below 0, or OpenCASCADE cannot build the vault.
     """
     from families import brep
-    from families.shapes import together
 
-    if thickness:
-        shape = brep.masonry(vault, thickness)
-        return shape, [name for _, name in brep.face_names(shape, vault)]
-    named = [(face, name) for face, name in brep.face_names(brep.void(vault), vault) if name in vault.components]
-    return together([face for face, _ in named]), [name for _, name in named]
+    shape = brep.masonry(vault, thickness) if thickness else brep.surface(vault)
+    return shape, [name for _, name in brep.face_names(shape, vault)]
 
 
 def _write(shape: TopoDS_Shape, path: Path) -> None:
