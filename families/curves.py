@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import atan2, ceil, cos, hypot, pi, tan
 from typing import Any
@@ -43,6 +43,14 @@ class Path(ABC):
     def points(self, t: Array) -> Array:
         """Points (n, 3) at parameters (n,)."""
 
+    def nodes(self, start: float, end: float) -> Array:
+        """Parameters at which a curve on a surface is to agree with this one."""
+        return np.linspace(start, end, SAMPLES)
+
+
+class Simple(Path):
+    """A curve that tells the parameters of its points."""
+
     @abstractmethod
     def parameters(self, points: Array) -> Array:
         """Parameters (n,) of points (n, 3) if those lie on the curve; any number for others."""
@@ -51,17 +59,9 @@ class Path(ABC):
         """The same of one point (3,)."""
         return float(self.parameters(point[None])[0])
 
-    @abstractmethod
-    def beside(self, points: Array, tolerance: float) -> NDArray[np.intp]:
-        """Indices of points (n, 3) that may lie on the curve: those that do, and some more."""
-
-    def nodes(self, start: float, end: float) -> Array:
-        """Parameters at which a curve on a surface is to agree with this one."""
-        return np.linspace(start, end, SAMPLES)
-
 
 @dataclass(frozen=True)
-class Straight(Path):
+class Straight(Simple):
     """Line along an axis of the frame; the parameter is the coordinate along it."""
 
     axis: int
@@ -74,7 +74,10 @@ class Straight(Path):
 
     def points(self, t: Array) -> Array:
         """Points at parameters."""
-        return np.add(self.origin, np.outer(t, AXES[self.axis]))
+        found = np.empty((len(t), 3))
+        found[:] = self.origin
+        found[:, self.axis] = t
+        return found
 
     def parameters(self, points: Array) -> Array:
         """The coordinate along the axis."""
@@ -84,13 +87,6 @@ class Straight(Path):
         """The coordinate of one point."""
         return float(point[self.axis])
 
-    def beside(self, points: Array, tolerance: float) -> NDArray[np.intp]:
-        """Those in a bar about it."""
-        a, b = (k for k in range(3) if k != self.axis)
-        near = np.abs(points[:, a] - self.origin[a]) < tolerance
-        near &= np.abs(points[:, b] - self.origin[b]) < tolerance
-        return np.flatnonzero(near)
-
     @staticmethod
     def through(point: Array, axis: int) -> Straight:
         """The line along an axis through a point (3,)."""
@@ -99,7 +95,7 @@ class Straight(Path):
 
 
 @dataclass(frozen=True)
-class Conic(Path):
+class Conic(Simple):
     """Circle or ellipse centre + a cos t X + b sin t Y, with X and Y orthonormal."""
 
     centre: tuple[float, float, float]
@@ -109,21 +105,19 @@ class Conic(Path):
     b: float
 
     @cached_property
-    def _axis(self) -> tuple[float, float, float]:
-        (a, b, c), (d, e, f) = self.x, self.y
-        return b * f - c * e, c * d - a * f, a * e - b * d
-
-    @cached_property
     def geometry(self) -> Geom_Curve:
         """Circle, or ellipse with its long axis first."""
-        if self.a == self.b:
-            return Geom_Circle(gp_Ax2(gp_Pnt(*self.centre), gp_Dir(*self._axis), gp_Dir(*self.x)), self.a)
-        return Geom_Ellipse(gp_Ax2(gp_Pnt(*self.centre), gp_Dir(*self._axis), gp_Dir(*self.x)), self.a, self.b)
+        x, y = gp_Dir(*self.x), gp_Dir(*self.y)
+        frame = gp_Ax2(gp_Pnt(*self.centre), x.Crossed(y), x)
+        return Geom_Circle(frame, self.a) if self.a == self.b else Geom_Ellipse(frame, self.a, self.b)
+
+    @cached_property
+    def _axes(self) -> Array:
+        return np.array([self.x, self.y]) * [[self.a], [self.b]]
 
     def points(self, t: Array) -> Array:
         """Points at eccentric angles."""
-        across, up = np.multiply(self.a, self.x), np.multiply(self.b, self.y)
-        found: Array = np.add(self.centre, np.outer(np.cos(t), across) + np.outer(np.sin(t), up))
+        found: Array = np.stack([np.cos(t), np.sin(t)], axis=1) @ self._axes + self.centre
         return found
 
     def parameters(self, points: Array) -> Array:
@@ -138,10 +132,6 @@ class Conic(Path):
         across, up = (x * v[0] + y * v[1] + z * v[2] for v in (self.x, self.y))
         angle = atan2(up / self.b, across / self.a)
         return angle + 2 * pi if angle < LEAST else angle
-
-    def beside(self, points: Array, tolerance: float) -> NDArray[np.intp]:
-        """Those in its plane."""
-        return _level(points, self._axis, self.centre, tolerance)
 
     def nodes(self, start: float, end: float) -> Array:
         """As many as the angle asks for."""
@@ -159,7 +149,7 @@ class Conic(Path):
 
 
 @dataclass(frozen=True)
-class Bezier(Path):
+class Bezier(Simple):
     """Rational Bézier curve of degree 2 by poles (3, 3) with weights 1, w, 1; the parameter runs from 0 to 1."""
 
     poles: Array
@@ -190,20 +180,17 @@ class Bezier(Path):
         early, late = np.sqrt(np.linalg.lstsq(frame, (points - middle).T)[0].clip(min=0.0))
         return late / np.maximum(early + late, TINY)  # type: ignore[no-any-return]  # numpy's stubs
 
-    def beside(self, points: Array, tolerance: float) -> NDArray[np.intp]:
-        """Those in its plane."""
-        first, middle, last = self.poles
-        normal = np.cross(first - middle, last - middle)
-        size = float(np.linalg.norm(normal))
-        return _level(points, normal / size, _triple(middle), tolerance) if size else np.arange(len(points))
-
 
 @dataclass(frozen=True)
 class Spline(Path):
-    """Interpolating spline of degree 5 and the parameters (n,) of the points through which it was laid."""
+    """Interpolating spline of degree 5 and the parameters (n,) of the points through which it was laid.
+
+    `traces` keeps what copies that were moved have in common: coefficients of their angle about an axis of theirs.
+    """
 
     spline: BSpline
     at: Array
+    traces: dict[Hashable, Array] = field(default_factory=dict, compare=False)
 
     @staticmethod
     def through(points: Array) -> Spline:
@@ -215,7 +202,18 @@ class Spline(Path):
     def moved(self, matrix: Array, place: Array) -> Spline:
         """The curve of P @ matrix + place for each of its points P (3,), with the same parameter."""
         t, c, k = self.spline.tck
-        return Spline(BSpline(t, c @ matrix + place, k), self.at)
+        return Spline(BSpline(t, c @ matrix + place, k), self.at, self.traces)
+
+    def trace(self, key: Hashable, angle: Callable[[Array], Array], along: Array) -> Geom2d_Curve:
+        """The curve as an angle, of points (n, 3), and a distance along a vector (3,), exact as its points are.
+
+        Copies that were moved share the angle under a key.
+        """
+        if key not in self.traces:
+            self.traces[key] = make_interp_spline(self.at, angle(self.points(self.at)), DEGREE).c
+        t, c, k = self.spline.tck
+        spline = BSpline(t, np.stack([self.traces[key], c @ along], axis=1), k)
+        return Geom2d_BSplineCurve(*_spline(spline, TColgp_Array1OfPnt2d, gp_Pnt2d))
 
     @property
     def end(self) -> float:
@@ -230,14 +228,6 @@ class Spline(Path):
     def points(self, t: Array) -> Array:
         """Points at parameters."""
         return self.spline(t)
-
-    def parameters(self, points: Array) -> Array:
-        """Not asked for: see `beside`."""
-        raise NotImplementedError
-
-    def beside(self, points: Array, tolerance: float) -> NDArray[np.intp]:
-        """None: a spline ends wherever something meets it."""
-        return np.empty(0, np.intp)
 
     def nodes(self, start: float, end: float) -> Array:
         """Those of the points through which it was laid."""
@@ -261,12 +251,6 @@ def drawn(path: Path, start: float, end: float, parameters: Callable[[Array], Ar
     ends = np.array([start, start, end, end])
     line = BSpline(ends, origin + np.outer(ends[[0, -1]], rate), 1)
     return Geom2d_BSplineCurve(*_spline(line, TColgp_Array1OfPnt2d, gp_Pnt2d))
-
-
-def _level(
-    points: Array, normal: Array | tuple[float, ...], place: tuple[float, ...], tolerance: float
-) -> NDArray[np.intp]:
-    return np.flatnonzero(np.abs(np.dot(points, normal) - np.dot(place, normal)) < tolerance)
 
 
 def arc_weight(angle: float) -> float:

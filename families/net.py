@@ -26,7 +26,7 @@ from OCP.TopoDS import (
     TopoDS_Wire,
 )
 
-from families.curves import Path
+from families.curves import Path, Simple
 from families.shapes import together
 from families.sheets import Flat, Sheet
 from families.units import MM
@@ -134,15 +134,24 @@ class Net:
         return self._places
 
     def split(self, step: Step) -> Loop:
-        """A step cut at all vertices that lie on it."""
-        beside = step.path.beside(self.places, ONE)
+        """A step cut at all vertices that lie on it; splines end wherever something meets them."""
+        if not isinstance(step.path, Simple):
+            return [step]
+        first, middle, last = step.places
+        # An arc leaves the box of these three by less than its sagitta.
+        slack = np.abs(2 * middle - first - last).max() + ONE
+        low, high = np.minimum(first, last) - slack, np.maximum(first, last) + slack
+        beside = np.flatnonzero(((self.places > low) & (self.places < high)).all(axis=1))
         if len(beside) <= 2:
             return [step]
         points = self.places[beside]
         t = step.path.parameters(points)
-        low, high = sorted((step.start, step.end))
-        near = (t > low) & (t < high) & (np.abs(step.path.points(t) - points).max(axis=1) < ONE)
-        for end in step.places[[0, 2]]:
+        near = (
+            (t > min(step.start, step.end))
+            & (t < max(step.start, step.end))
+            & (np.abs(step.path.points(t) - points).max(axis=1) < ONE)
+        )
+        for end in (first, last):
             near &= np.abs(points - end).max(axis=1) > ONE
         if not near.any():
             return [step]

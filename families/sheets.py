@@ -26,7 +26,19 @@ from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.TColgp import TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array2OfReal
 
-from families.curves import AXES, Bezier, Conic, Path, Straight, arc_parameter, arc_poles, arc_weight, drawn
+from families.curves import (
+    AXES,
+    Bezier,
+    Conic,
+    Path,
+    Simple,
+    Spline,
+    Straight,
+    arc_parameter,
+    arc_poles,
+    arc_weight,
+    drawn,
+)
 from families.outline import Bow
 from families.parts import Barrel
 from families.units import MM
@@ -142,13 +154,17 @@ class Drawn(Sheet):
             return Geom2d_Line(gp_Pnt2d(u, v), gp_Dir2d(0.0, float(along[path.axis])))
         if isinstance(path, Conic) and (path.x, path.y, path.a, path.b) == (conic.x, conic.y, conic.a, conic.b):
             return Geom2d_Line(gp_Pnt2d(0.0, float(np.dot(path.centre, along))), gp_Dir2d(1.0, 0.0))
+        if isinstance(path, Spline):
+            # Seen from the barrel's axis all copies of a groin are the same, but mirrored on the other side.
+            key = self.bow, self.side.axis, self._frame.sign == self.side.sign
+            return path.trace(key, self._directrix.parameters, along)
         return super().trace(path, start, end)
 
     def arch(self, along: float) -> Conic:
         """The bow at a coordinate along the barrel [m]."""
         return Conic.of(self.bow, self._frame.place(along), self._frame.outwards, UP)[0]
 
-    def ruling(self, u: float, z: float) -> Path:
+    def ruling(self, u: float, z: float) -> Simple:
         """The line along the barrel through (u, z) [m] of the bow."""
         return Straight.through(self.side.place() + MM * (u * self.side.outwards + z * UP), 1 - self.side.axis)
 
@@ -205,7 +221,7 @@ class Translated(Sheet):
         """The bow at a coordinate along the barrel [m]."""
         return Bezier(self._poles + self.side.place(along, self.side.part.lift(along)), self._weight)
 
-    def ruling(self, u: float, z: float) -> Path:
+    def ruling(self, u: float, z: float) -> Simple:
         """The parabola along the barrel through (u, z) [m] of the bow."""
         return Bezier(self._axis + MM * (u * self.side.outwards + z * UP))
 

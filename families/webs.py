@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.cells import NEAR, Cell, View
-from families.curves import Path, Spline, Straight
+from families.curves import Simple, Spline, Straight
 from families.net import Loop, Step
 from families.parts import Barrel, Ceiling, Direction, Piece
 from families.sheets import Drawn, Flat, Sheet, Translated
@@ -315,5 +315,5 @@ def _ceiling(scene: Scene) -> Iterator[Web]:
     yield Web(Flat(2, MM * scene.ceiling), [_step(*step) for step in steps])
 
 
-def _step(path: Path, start: Array, end: Array) -> Step:
+def _step(path: Simple, start: Array, end: Array) -> Step:
     return Step(path, path.parameter(start), path.parameter(end))

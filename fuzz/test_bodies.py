@@ -1,0 +1,71 @@
+"""Bodies of vaults from all over the ranges of all parameters: sound and of the right volume, or refused by a line."""
+
+from __future__ import annotations
+
+import dataclasses
+from math import exp, inf, log
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from OCP.TopoDS import TopoDS_Shape
+
+from families import FAMILIES, PROFILES, Vault, brep
+from families.bodies import inside
+from families.parameters import Parametric
+from families.profiles import Profile
+from families.shapes import is_sound, volume
+
+T = 0.15
+POINTS = np.random.default_rng(0).uniform((-1, -1, 0), 1, (200_000, 3))
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda cls: cls.id)
+@settings(max_examples=200, deadline=None)
+@given(data=st.data())
+def test_a_vault_within_the_ranges_is_built_or_refused(family: type[Vault], data: st.DataObject) -> None:
+    base = family()
+    profiles = {
+        field.name: data.draw(st.sampled_from(PROFILES))()
+        for field in dataclasses.fields(base)
+        if isinstance(getattr(base, field.name), Profile)
+    }
+    profiles = {name: dataclasses.replace(profile, **_values(profile, data)) for name, profile in profiles.items()}
+    vault = dataclasses.replace(base, **_values(base, data), **profiles)
+    body = _built(vault)
+    if isinstance(body, str):
+        assert "change a parameter a little" in body
+        assert "\n" not in body
+        return
+    assert is_sound(body)
+    plan, pieces = vault.plan, vault.pieces()
+    grown = tuple(piece.grown(T) for piece in pieces)
+    half = (plan.half_x + T * plan.on_wall_x, plan.half_y + T * plan.on_wall_y)
+    size = np.array([half[0] + T, half[1] + T, max(part.top for piece in grown for part in piece.parts)])
+    share = (inside(grown, half, size * POINTS) & ~inside(pieces, (inf, inf), size * POINTS)).mean()
+    whole = 4 * size.prod()
+    error = 6 * whole * np.sqrt(max(share * (1 - share), 1e-5) / len(POINTS))
+    assert abs(volume(body) / 1e9 - whole * share) < error
+
+
+def _built(vault: Vault) -> TopoDS_Shape | str:
+    try:
+        return brep.masonry(vault, T)
+    except ValueError as error:
+        return str(error)
+
+
+def _values(declared: Parametric, data: st.DataObject) -> dict[str, float]:
+    """A value for each of a class's own parameters: anywhere in its range, lengths between 1.5 and 12 m."""
+    own = {field.name for field in dataclasses.fields(declared)}  # type: ignore[arg-type]
+    found: dict[str, float] = {}
+    for parameter in (p for p in declared.parameters() if p.name in own):
+        low, high = parameter.range.low, parameter.range.high
+        if parameter.range.unit == "m":
+            found[parameter.name] = exp(data.draw(st.floats(log(1.5), log(12))))
+        elif isinstance(getattr(declared, parameter.name), int):
+            found[parameter.name] = data.draw(st.integers(int(low), int(high)))
+        else:
+            found[parameter.name] = data.draw(st.floats(low, high))
+    return found
