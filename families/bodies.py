@@ -74,17 +74,12 @@ def surface(half: tuple[float, float], skin: Skin, cuts: Cuts) -> TopoDS_Shape:
 def _laid(half: tuple[float, float], skins: list[Skin], cuts: Cuts, corners: Iterable[Array]) -> Net:
     """A net of the faces of skins; it has vertices at the corners too."""
     net = Net()
-    patches = [
-        Patch(web.sheet, [_counterclockwise(web)], flipped=skin.stone != web.inwards)
-        for skin in skins
-        for web in skin.webs(half, cuts, alone=len(skins) == 1)
-    ]
-    for patch in patches:
-        net.meet(patch.loops[0])
+    webs = [(web, skin.stone) for skin in skins for web in skin.webs(half, cuts, alone=len(skins) == 1)]
     for corner in corners:
         net.vertex(corner)
-    for patch in patches:
-        net.add(patch)
+    loops = net.cut([_counterclockwise(web) for web, _ in webs])
+    for (web, stone), loop in zip(webs, loops, strict=True):
+        net.add(Patch(web.sheet, [loop], flipped=stone != web.inwards))
     return net
 
 

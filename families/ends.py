@@ -90,7 +90,8 @@ def close(net: Net, box: Box, inside: Callable[[Array], NDArray[np.bool_]]) -> N
 def _borders(net: Net, box: Box) -> list[_Border]:
     """The edges with a face on one side only, and the lines in which planes meet where there is no edge yet."""
     open_ = [(k, edge.step) for k, edge in enumerate(net.edges) if edge.uses == 1]
-    frame = [(-1, step) for line in box.lines() for step in net.split(line) if net.find(step) is None]
+    lines = net.cut([[line] for line in box.lines()])
+    frame = [(-1, step) for line in lines for step in line if net.find(step) is None]
     steps = [*open_, *frame]
     if not steps:
         return []

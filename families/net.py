@@ -48,7 +48,9 @@ class Step:
     @property
     def reversed(self) -> Step:
         """The way back."""
-        return Step(self.path, self.end, self.start)
+        back = Step(self.path, self.end, self.start)
+        vars(back)["places"] = self.places[::-1]  # it need not be asked again
+        return back
 
     @cached_property
     def places(self) -> Array:
@@ -93,7 +95,7 @@ class Patch:
 
 @dataclass
 class Net:
-    """Vertices, edges and faces of one body [mm]. All vertices come first, for they cut edges."""
+    """Vertices, edges and faces of one body [mm]."""
 
     vertices: list[TopoDS_Vertex] = field(default_factory=list)
     edges: list[Edge] = field(default_factory=list)
@@ -133,17 +135,35 @@ class Net:
             self._places = np.array(self._coordinates)
         return self._places
 
-    def split(self, step: Step) -> Loop:
-        """A step cut at all vertices that lie on it; splines end wherever something meets them."""
+    def cut(self, loops: list[Loop]) -> list[Loop]:
+        """Loops with their steps cut at all vertices, of all loops and earlier ones; splines only meet at their ends."""
+        steps = [step for loop in loops for step in loop]
+        for step in steps:
+            self.vertex(step.places[0])
+            self.vertex(step.places[2])
+        first, middle, last = np.stack([step.places for step in steps], axis=1)
+        # An arc leaves the box of these three by less than its sagitta.
+        slack = np.abs(2 * middle - first - last).max(axis=1, keepdims=True) + ONE
+        low, high = np.minimum(first, last) - slack, np.maximum(first, last) + slack
+        beside = np.ones((len(steps), len(self.places)), bool)
+        for axis in range(3):
+            beside &= (self.places[:, axis] > low[:, axis, None]) & (self.places[:, axis] < high[:, axis, None])
+        # Two of them are its ends.
+        crowded = iter((beside.sum(axis=1) > 2).tolist())
+        rows = iter(beside)
+        found = []
+        for loop in loops:
+            parts = [
+                self._split(step, np.flatnonzero(row)) if many else [step]
+                for step, row, many in zip(loop, rows, crowded, strict=False)
+            ]
+            found.append([part for steps in parts for part in steps])
+        return found
+
+    def _split(self, step: Step, beside: NDArray[np.intp]) -> Loop:
         if not isinstance(step.path, Simple):
             return [step]
-        first, middle, last = step.places
-        # An arc leaves the box of these three by less than its sagitta.
-        slack = np.abs(2 * middle - first - last).max() + ONE
-        low, high = np.minimum(first, last) - slack, np.maximum(first, last) + slack
-        beside = np.flatnonzero(((self.places > low) & (self.places < high)).all(axis=1))
-        if len(beside) <= 2:
-            return [step]
+        first, _, last = step.places
         points = self.places[beside]
         t = step.path.parameters(points)
         near = (
@@ -172,16 +192,15 @@ class Net:
                 return k
         return None
 
-    def along(self, step: Step) -> list[tuple[int, bool]]:
-        """The edges along a step, and whether each runs the same way; none where it is no longer than a vertex."""
+    def edge(self, step: Step) -> tuple[int, bool] | None:
+        """The edge of a step and whether it runs the same way; None where the step is no longer than a vertex."""
         first, middle, last = step.places
         ends = self.vertex(first), self.vertex(last)
         if ends[0] == ends[1]:
-            return []
+            return None
         if (k := self._found(ends, middle)) is not None:
-            return [(k, self.edges[k].ends == ends)]
-        parts = self.split(step)
-        return [self._edge(step, ends)] if len(parts) == 1 else [edge for part in parts for edge in self.along(part)]
+            return k, self.edges[k].ends == ends
+        return self._edge(step, ends)
 
     def _edge(self, step: Step, ends: tuple[int, int]) -> tuple[int, bool]:
         forward = step if step.end > step.start else step.reversed
@@ -195,14 +214,8 @@ class Net:
         self._between.setdefault((min(ends), max(ends)), []).append(len(self.edges) - 1)
         return len(self.edges) - 1, forward is step
 
-    def meet(self, loop: Loop) -> None:
-        """Make the vertices at the ends of steps."""
-        for step in loop:
-            self.vertex(step.places[0])
-            self.vertex(step.places[2])
-
     def add(self, patch: Patch) -> None:
-        """Make the face of a patch, its steps cut at all vertices; it shares the edges that are there already."""
+        """Make the face of a patch; it shares the edges that are there already."""
         builder, face = BRep_Builder(), TopoDS_Face()
         builder.MakeFace(face, patch.sheet.geometry, EDGE)
         used: list[int] = []
@@ -217,9 +230,10 @@ class Net:
             if isinstance(step, Pole):
                 way.append(step)
                 continue
-            for k, forward in self.along(step):
+            if (here := self.edge(step)) is not None:
                 # There and back again is no way: faces narrower than a vertex are none.
-                way.remove((k, not forward)) if (k, not forward) in way else way.append((k, forward))
+                back = (here[0], not here[1])
+                way.remove(back) if back in way else way.append(here)
         if not way:
             return
         wire, builder = TopoDS_Wire(), BRep_Builder()

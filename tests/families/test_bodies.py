@@ -179,11 +179,13 @@ def test_an_edge_is_cut_where_another_ends_on_it_and_is_shared():
     net = Net()
     plane, line = Flat(2, 0.0), Straight(0, (0.0, 10.0, 0.0))
     net.vertex(np.array([3.0, 10.0, 0.0]))
-    whole = net.along(Step(line, -10.0, 10.0))
-    assert len(whole) == 2
-    assert net.along(Step(line, 10.0, 3.0)) == [(whole[1][0], False)]
-    assert net.along(Step(Straight(0, (0.0, 50.0, 0.0)), 4.0, 4.0 + 1e-5)) == []
-    net.add(Patch(plane, [square(10)]))
+    (loop,) = net.cut([[Step(line, -10.0, 10.0)]])
+    assert [(step.start, step.end) for step in loop] == [(-10, 3), (3, 10)]
+    first, last = (net.edge(step) for step in loop)
+    assert net.edge(Step(line, 10.0, 3.0)) == (last[0], False)
+    assert net.edge(Step(line, -10.0, 3.0)) == first
+    assert net.edge(Step(Straight(0, (0.0, 50.0, 0.0)), 4.0, 4.0 + 1e-5)) is None
+    net.add(Patch(plane, net.cut([square(10)])))
     assert len(net.edges) == 5
     with pytest.raises(ValueError, match="gap"):
         net.solids()
