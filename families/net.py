@@ -136,7 +136,7 @@ class Net:
         return self._places
 
     def cut(self, loops: list[Loop]) -> list[Loop]:
-        """Loops with their steps cut at all vertices, of all loops and earlier ones; splines only meet at their ends."""
+        """Loops with their steps cut at all vertices that lie on them; splines meet others at their ends only."""
         steps = [step for loop in loops for step in loop]
         for step in steps:
             self.vertex(step.places[0])
