@@ -12,12 +12,13 @@ from OCP.TopoDS import TopoDS_Shape
 
 from families.cells import Cuts
 from families.ends import Box, close
-from families.net import Loop, Net, Patch, Pole
+from families.net import Net, Patch
 from families.parts import Ball, Lid, Piece, Turned
 from families.regions import area
 from families.rounds import rounds
 from families.shapes import is_sound, together
 from families.sheets import Flat
+from families.steps import Loop, Pole
 from families.units import MM
 from families.vault import IDENTITY
 from families.webs import Web, webs

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.curves import AXES, Straight
-from families.net import ONE, Loop, Net, Patch, Step
+from families.net import ONE, Net, Patch
 from families.regions import regions
 from families.sheets import Flat
+from families.steps import Loop, Step
 
 Array = NDArray[np.float64]
 # [mm], lengths of that step, tried in turn: no longer than a sliver is wide, and no shorter than it takes a skin that

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import pairwise, product
 from math import floor
 
@@ -26,48 +25,16 @@ from OCP.TopoDS import (
     TopoDS_Wire,
 )
 
-from families.curves import Path, Simple
+from families.curves import Simple
 from families.shapes import together
 from families.sheets import Flat, Sheet
+from families.steps import Loop, Pole, Step
 from families.units import MM
 
 Array = NDArray[np.float64]
 ONE = 1e-3  # [mm], points nearer than that are one
 EDGE, VERTEX = ONE, 2 * ONE  # [mm], tolerances of edges and of vertices, which may stand for others that near
 HERE = TopLoc_Location()
-
-
-@dataclass(frozen=True)
-class Step:
-    """A way along a path from one parameter to another, as a part of a face's boundary."""
-
-    path: Path
-    start: float
-    end: float
-
-    @property
-    def reversed(self) -> Step:
-        """The way back."""
-        back = Step(self.path, self.end, self.start)
-        vars(back)["places"] = self.places[::-1]  # it need not be asked again
-        return back
-
-    @cached_property
-    def places(self) -> Array:
-        """Start, middle and end (3, 3) [mm]."""
-        return self.points(0.0, 0.5, 1.0)
-
-    def points(self, *shares: float) -> Array:
-        """Points (n, 3) [mm] at shares of the way."""
-        return self.path.points(self.start + np.array(shares) * (self.end - self.start))
-
-
-@dataclass(frozen=True)
-class Pole(Step):
-    """A boundary that is one point of space, and a line of the surface's parameters from `first` to `last`."""
-
-    first: tuple[float, float]
-    last: tuple[float, float]
 
 
 @dataclass
@@ -79,9 +46,6 @@ class Edge:
     ends: tuple[int, int]
     middle: tuple[float, ...]
     uses: int = 0
-
-
-Loop = list[Step]
 
 
 @dataclass

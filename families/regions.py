@@ -7,8 +7,9 @@ from math import atan2, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from families.net import ONE, Loop
+from families.net import ONE
 from families.sheets import Flat
+from families.steps import Loop
 from families.units import MM
 
 Array = NDArray[np.float64]

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.curves import AXES, Conic, Straight
-from families.net import Loop, Pole, Step
 from families.outline import Bow, half_outline
 from families.parts import Ball, Lid, Piece, Turned
 from families.sheets import UP, Drum, Revolved, Round, Sheet
+from families.steps import Loop, Pole, Step
 from families.units import MM
 from families.webs import Web
 

@@ -24,9 +24,9 @@ from families.units import MM
 Array = NDArray[np.float64]
 LEVEL = 1e-8  # [m], heights nearer than that are one
 FLAT = 2e-4  # [m], places on two level crowns whose heights are one may be so far apart
-ROUNDING = 1e-14
-DENSE = 257
-HALVINGS = 60
+ROUNDING = 1e-14  # of a cosine
+DENSE = 257  # places at which a curve is looked at before its samples are chosen
+HALVINGS = 60  # of an interval in which a root is sought
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Slope:
         return self.part.base + self.rise(u) - self.raised(u)
 
     def place(self, level: Array) -> Array:
-        """U = F⁻¹ of levels (n,), which have to be those of some u."""
+        """The u = F⁻¹ of levels (n,), each of which has to be that of some u."""
         if self.cross is not None and self.cross.crown_rise:
             return self._searched(level)
         u, z = np.full_like(level, self.far), level - self.part.base
@@ -127,12 +127,12 @@ class Slope:
 
     @property
     def high(self) -> float:
-        """U where F is highest."""
+        """The u where F is highest."""
         return self.near if self.falls else self.far
 
     @property
     def low(self) -> float:
-        """U where F is lowest."""
+        """The u where F is lowest."""
         return self.far if self.falls else self.near
 
     def level_at(self, u: float) -> float:

@@ -7,23 +7,23 @@ of one piece the lower. Their groin parts the cell, and each arc of a barrel sho
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
-from math import copysign, inf
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from families.cells import NEAR, Cell, View
+from families.cells import NEAR, Cell
 from families.curves import Simple, Spline, Straight
-from families.net import Loop, Step
-from families.parts import Barrel, Ceiling, Direction, Piece
+from families.parts import Piece
+from families.scenes import Scene, parted, scene
 from families.sheets import Drawn, Flat, Sheet, Translated
 from families.slopes import LEVEL, Groin, Slope, groin, placed, turning
+from families.steps import Loop, Step
 from families.units import MM
 
 Array = NDArray[np.float64]
-DECIMALS = 12  # of a metre, to which alike cells agree
 
 
 @dataclass(frozen=True)
@@ -35,85 +35,25 @@ class Web:
     inwards: bool = False
 
 
-@dataclass(frozen=True)
-class Scene:
-    """What shows in a cell: a barrel across each direction or none, the `lower` or the higher one, below a ceiling."""
-
-    cell: Cell
-    slopes: dict[Direction, Slope]
-    ceiling: float
-    lower: bool
-    sides: tuple[float, float]
-
-    def cross(self, across: Direction) -> Slope | None:
-        """The barrel that runs the other way."""
-        return self.slopes.get("y" if across == "x" else "x")
-
-    def end(self, slope: Slope) -> float:
-        """U at the far side of the cell."""
-        return max(slope.sign * (place - slope.part.centre) for place in self.cell.side(slope.part.across))
-
-    def walled(self, slope: Slope) -> bool:
-        """Whether a barrel's wall shows."""
-        if slope.far < slope.part.curve.half_span - NEAR:
-            return False
-        return self.end(slope) - slope.far > NEAR or abs(self.wall(slope)) == self.sides[slope.side.axis]
-
-    def wall(self, slope: Slope) -> float:
-        """Coordinate [m] of a barrel's wall, the very one of a side if it stands there."""
-        place, side = slope.at(slope.far), self.sides[slope.side.axis]
-        return copysign(side, place) if abs(abs(place) - side) < NEAR else place
-
-
 def webs(pieces: tuple[Piece, ...], cell: Cell, sides: tuple[float, float]) -> Iterator[Web]:
     """The surfaces above the ground that pieces of barrels and ceilings show within a cell.
 
     `sides` are the half extents [m] of a plan on whose sides walls show too, and not only within.
     """
-    scene = _scene(pieces, cell, sides)
-    for across, slope in scene.slopes.items():
+    here = scene(pieces, cell, sides)
+    for across, slope in here.slopes.items():
         if (place := turning(slope)) is not None:
-            yield from (web for part in _parted(cell, across, slope.at(place)) for web in webs(pieces, part, sides))
+            yield from (web for part in parted(cell, across, slope.at(place)) for web in webs(pieces, part, sides))
             return
-    both = [scene.slopes[across] for across in scene.slopes]
+    both = [here.slopes[across] for across in here.slopes]
     line, curves = Groin(), []
     if len(both) == 2:
-        line = groin(both[0], both[1], scene.ceiling)
+        line = groin(both[0], both[1], here.ceiling)
         curves = placed(line, both[0], both[1])
     for k, slope in enumerate(both):
         own, other = ([knot[j] for knot in line.knots] for j in (k, 1 - k))
-        yield from _Half(scene, slope, own, other, line.heights, curves).webs()
-    yield from _ceiling(scene)
-
-
-def _scene(pieces: tuple[Piece, ...], cell: Cell, sides: tuple[float, float]) -> Scene:
-    barrels: list[Barrel] = []
-    ceiling, lower = inf, False
-    for piece in pieces:
-        views = [View(part, cell) for part in piece.parts if isinstance(part, Barrel)]
-        if any(view.outside for view in views):
-            continue
-        shown = [view.part for view in views if view.bounds]
-        lower |= len(shown) > 1
-        barrels += shown
-        ceiling = min([ceiling, *(part.z for part in piece.parts if isinstance(part, Ceiling))])
-    # Of equal barrels side by side, as grown lunettes that overlap, the one whose axis is nearest is the highest.
-    barrels.sort(key=lambda part: View(part, cell).near, reverse=True)
-    by_direction: dict[Direction, Barrel] = {part.across: part for part in barrels}
-    slopes: dict[Direction, Slope] = {}
-    for across, part in by_direction.items():
-        view = View(part, cell)
-        far = view.far if view.far == part.curve.half_span else round(view.far, DECIMALS)
-        cross = by_direction.get("y" if across == "x" else "x")
-        slopes[across] = Slope(part, view.sign, round(view.near, DECIMALS), far, cross)
-    return Scene(cell, slopes, ceiling, lower, sides)
-
-
-def _parted(cell: Cell, across: Direction, place: float) -> tuple[Cell, Cell]:
-    start, end = cell.side(across)
-    if across == "x":
-        return replace(cell, x=(start, place)), replace(cell, x=(place, end))
-    return replace(cell, y=(start, place)), replace(cell, y=(place, end))
+        yield from _Half(here, slope, own, other, line.heights, curves).webs()
+    yield from _ceiling(here)
 
 
 @dataclass(frozen=True)
@@ -180,7 +120,7 @@ class _Half:
         return Web(arc, loop)
 
     def _range(self, u: float) -> tuple[float, float | None]:
-        """V at the two ends of what shows over u, the second None if that is the groin."""
+        """The two ends in v of what shows over u, the second None if that is the groin."""
         if self.cross is None:
             low, high = self.scene.cell.side("y" if self.slope.part.across == "x" else "x")
             return high, low
@@ -191,7 +131,7 @@ class _Half:
         return beyond, self.cross.low if level <= self.cross.level_at(self.cross.low) else None
 
     def _last(self) -> float:
-        """V where the higher barrel ends: behind the wall of the other one there is only this."""
+        """The v where the higher barrel ends: behind the wall of the other one there is only this."""
         cross = self.cross
         assert cross is not None
         end = self.scene.end(cross)

@@ -25,12 +25,13 @@ from families import (
 from families.bodies import inside
 from families.cells import Cell
 from families.curves import Bezier, Conic, Straight, arc_parameter, arc_poles, arc_weight
-from families.net import Net, Patch, Step
+from families.net import Net, Patch
 from families.outline import Bow
 from families.regions import area, regions
 from families.shapes import faces, is_sound, volume
 from families.sheets import Flat
 from families.slopes import Slope, groin, turning
+from families.steps import Step
 from families.vault import IDENTITY
 from families.webs import webs
 
