@@ -22,6 +22,7 @@ from families.outline import Bow
 from families.units import MM
 
 Array = NDArray[np.float64]
+Point = tuple[float, float, float]
 DEGREE, SAMPLES = 5, 49  # of a curve that is interpolated
 STEP = 0.03  # [rad] between the samples of a circle
 STRAIGHT = 1e-9  # of the parameters of a surface, to which a curve on it is a straight line
@@ -55,9 +56,9 @@ class Simple(Path):
     def parameters(self, points: Array) -> Array:
         """Parameters (n,) of points (n, 3) if those lie on the curve; any number for others."""
 
-    def parameter(self, point: Array) -> float:
-        """The same of one point (3,)."""
-        return float(self.parameters(point[None])[0])
+    def parameter(self, point: Point) -> float:
+        """The same of one point."""
+        return float(self.parameters(np.array([point]))[0])
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ class Straight(Simple):
     """Line along an axis of the frame; the parameter is the coordinate along it."""
 
     axis: int
-    origin: tuple[float, float, float]  # its coordinate along the axis is 0
+    origin: Point  # its coordinate along the axis is 0
 
     @cached_property
     def geometry(self) -> Geom_Curve:
@@ -83,24 +84,24 @@ class Straight(Simple):
         """The coordinate along the axis."""
         return points[:, self.axis]
 
-    def parameter(self, point: Array) -> float:
+    def parameter(self, point: Point) -> float:
         """The coordinate of one point."""
-        return float(point[self.axis])
+        return point[self.axis]
 
     @staticmethod
-    def through(point: Array, axis: int) -> Straight:
-        """The line along an axis through a point (3,)."""
-        x, y, z = np.where(AXES[axis] > 0, 0.0, point).tolist()
-        return Straight(axis, (x, y, z))
+    def through(point: Point, axis: int) -> Straight:
+        """The line along an axis through a point."""
+        x, y, z = point
+        return Straight(axis, ((0.0, y, z), (x, 0.0, z), (x, y, 0.0))[axis])
 
 
 @dataclass(frozen=True)
 class Conic(Simple):
     """Circle or ellipse centre + a cos t X + b sin t Y, with X and Y orthonormal."""
 
-    centre: tuple[float, float, float]
-    x: tuple[float, float, float]
-    y: tuple[float, float, float]
+    centre: Point
+    x: Point
+    y: Point
     a: float
     b: float
 
@@ -126,9 +127,9 @@ class Conic(Simple):
         angle = np.arctan2(rest @ self.y / self.b, rest @ self.x / self.a)
         return np.where(angle < LEAST, angle + 2 * pi, angle)  # type: ignore[no-any-return]  # numpy's stubs
 
-    def parameter(self, point: Array) -> float:
+    def parameter(self, point: Point) -> float:
         """Eccentric angle of one point."""
-        x, y, z = (a - b for a, b in zip(point.tolist(), self.centre, strict=True))
+        x, y, z = (a - b for a, b in zip(point, self.centre, strict=True))
         across, up = (x * v[0] + y * v[1] + z * v[2] for v in (self.x, self.y))
         angle = atan2(up / self.b, across / self.a)
         return angle + 2 * pi if angle < LEAST else angle
@@ -145,7 +146,7 @@ class Conic(Simple):
         turned = bow.b > bow.a
         x, y, shift = (up, -across, pi / 2) if turned else (across, up, 0.0)
         a, b = (bow.b, bow.a) if turned else (bow.a, bow.b)
-        return Conic(_triple(centre), _triple(x), _triple(y), MM * a, MM * b), bow.start - shift, bow.end - shift
+        return Conic(point(centre), point(x), point(y), MM * a, MM * b), bow.start - shift, bow.end - shift
 
 
 @dataclass(frozen=True)
@@ -270,18 +271,19 @@ def arc_poles(bow: Bow) -> Array:
     return np.stack([bow.u + bow.a * reach * np.cos(angles), bow.z + bow.b * reach * np.sin(angles)], axis=1)
 
 
-def _spline(spline: BSpline, array: Any, point: Any) -> tuple[Any, TColStd_Array1OfReal, TColStd_Array1OfInteger, int]:
+def _spline(spline: BSpline, array: Any, made: Any) -> tuple[Any, TColStd_Array1OfReal, TColStd_Array1OfInteger, int]:
     values, times = np.unique(spline.t, return_counts=True)
     poles, knots = array(1, len(spline.c)), TColStd_Array1OfReal(1, len(values))
     counts = TColStd_Array1OfInteger(1, len(values))
     for k, pole in enumerate(np.asarray(spline.c).tolist(), 1):
-        poles.SetValue(k, point(*pole))
+        poles.SetValue(k, made(*pole))
     for k, (value, count) in enumerate(zip(values.tolist(), times.tolist(), strict=True), 1):
         knots.SetValue(k, value)
         counts.SetValue(k, count)
     return poles, knots, counts, spline.k
 
 
-def _triple(vector: Array) -> tuple[float, float, float]:
+def point(vector: Array) -> Point:
+    """A vector (3,) as a point."""
     x, y, z = vector.tolist()
     return x, y, z

@@ -51,8 +51,10 @@ class Box:
         for x, y in product((-1, 1), (-1, 1)):
             yield Step(Straight(2, (x * self.half[0], y * self.half[1], 0.0)), 0.0, self.top)
         for z, axis, sign in product((0.0, *self.lids), (0, 1), (-1, 1)):
-            place = np.where(AXES[1 - axis] > 0, sign * self.half[1 - axis], 0.0) + z * AXES[2]
-            yield Step(Straight.through(place, axis), -self.half[axis], self.half[axis])
+            side = sign * self.half[1 - axis]
+            yield Step(
+                Straight(axis, (0.0, side, z) if axis == 0 else (side, 0.0, z)), -self.half[axis], self.half[axis]
+            )
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from math import acos, asin, cos, hypot, pi, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from families.curves import AXES, Conic, Straight
+from families.curves import AXES, Conic, Straight, point
 from families.outline import Bow, half_outline
 from families.parts import Ball, Lid, Piece, Turned
 from families.sheets import UP, Drum, Revolved, Round, Sheet
@@ -77,7 +77,7 @@ def _quarter(part: Turned, start: float, half: Array) -> Iterator[Web]:
         if high - low > TOUCH:
             drum = Drum(MM * wall, middle)
             up, down = (
-                Step(Straight.through(_spot(wall, low, azimuth), 2), MM * a, MM * b)
+                Step(Straight.through(point(_spot(wall, low, azimuth)), 2), MM * a, MM * b)
                 for azimuth, a, b in ((end, low, high), (start, high, low))
             )
             yield Web(drum, [*_foot(wall, low, start, half), up, _back(_ring(wall, high, start)), down])
@@ -108,12 +108,12 @@ def _wall_arch(ball: Ball, side: int, half: Array) -> Conic:
     centre = MM * (sign * place * AXES[across] + ball.z * UP)
     x = AXES[1 - across]
     radius = MM * sqrt(ball.radius**2 - place**2)
-    return Conic(_triple(centre), _triple(x), _triple(UP), radius, radius)
+    return Conic(point(centre), point(x), point(UP), radius, radius)
 
 
 def _ring(radius: float, z: float, start: float) -> Conic:
     """A level circle about the z axis, its angle from an azimuth on."""
-    x, y = (_triple(_turned(start, axis)) for axis in AXES[:2])
+    x, y = (point(_turned(start, axis)) for axis in AXES[:2])
     return Conic((0.0, 0.0, MM * z), x, y, MM * radius, MM * radius)
 
 
@@ -129,7 +129,7 @@ def _back(ring: Conic) -> Step:
 
 
 def _between(path: Conic, start: Array, end: Array) -> Step:
-    return Step(path, path.parameter(start), path.parameter(end))
+    return Step(path, path.parameter(point(start)), path.parameter(point(end)))
 
 
 def _on(ball: Ball, x: float, y: float) -> Array:
@@ -147,8 +147,3 @@ def _turned(azimuth: float, vector: Array) -> Array:
     c, s = round(cos(azimuth), 15), round(sin(azimuth), 15)
     x, y, z = vector.tolist()
     return np.array([c * x - s * y, s * x + c * y, z])
-
-
-def _triple(vector: Array) -> tuple[float, float, float]:
-    x, y, z = vector.tolist()
-    return x, y, z

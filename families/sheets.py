@@ -132,7 +132,7 @@ class Drawn(Sheet):
 
     @cached_property
     def _directrix(self) -> Conic:
-        return self.arch(0.0)
+        return Conic.of(self.bow, self._frame.place(), self._frame.outwards, UP)[0]
 
     @cached_property
     def geometry(self) -> Geom_Surface:
@@ -162,11 +162,16 @@ class Drawn(Sheet):
 
     def arch(self, along: float) -> Conic:
         """The bow at a coordinate along the barrel [m]."""
-        return Conic.of(self.bow, self._frame.place(along), self._frame.outwards, UP)[0]
+        conic = self._directrix
+        x, y, z = conic.centre
+        centre = (x, MM * along, z) if self.side.axis == 0 else (MM * along, y, z)
+        return Conic(centre, conic.x, conic.y, conic.a, conic.b)
 
     def ruling(self, u: float, z: float) -> Simple:
         """The line along the barrel through (u, z) [m] of the bow."""
-        return Straight.through(self.side.place() + MM * (u * self.side.outwards + z * UP), 1 - self.side.axis)
+        part = self.side.part
+        across, height = MM * (part.centre + self.side.sign * u), MM * (part.base + z)
+        return Straight(1, (across, 0.0, height)) if self.side.axis == 0 else Straight(0, (0.0, across, height))
 
 
 @dataclass(frozen=True)

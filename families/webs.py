@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.cells import NEAR, Cell
-from families.curves import Simple, Spline, Straight
+from families.curves import Point, Simple, Spline, Straight
 from families.parts import Piece
 from families.scenes import Scene, parted, scene
 from families.sheets import Drawn, Flat, Sheet, Translated
@@ -153,17 +153,21 @@ class _Half:
         """Coordinate along the barrel [m]."""
         return v if self.cross is None else self.cross.at(v)
 
-    def _point(self, u: float, v: float, height: float | None = None) -> Array:
-        """Point (3,) [mm] on the barrel, or at another height [m] above u, v."""
-        part, along = self.slope.part, self._along(v)
-        if height is None:
-            # From the groin where it is one of its knots: by an upright wall the height is lost in the place.
+    def _point(self, u: float, v: float, height: float | None = None) -> Point:
+        """Point [mm] on the barrel, or at another height [m] above u, v."""
+        across, along = MM * self.slope.at(u), MM * self._along(v)
+        z = MM * (self._height(u, v) if height is None else height)
+        return (across, along, z) if self.slope.part.across == "x" else (along, across, z)
+
+    def _height(self, u: float, v: float) -> float:
+        """Height [m] of the barrel above u, v."""
+        if u in self.own:
+            # At a knot of the groin by that: near an upright wall the height is lost in the place.
             knots = zip(self.own, self.other, self.heights, strict=True)
-            height = next((z for a, b, z in knots if a == u and b == v), None)
-        if height is None:
-            height = part.base + self.slope.height(u) + part.lift(along)
-        across = self.slope.at(u)
-        return MM * np.array([across, along, height] if part.across == "x" else [along, across, height])
+            for z in (z for a, b, z in knots if a == u and b == v):
+                return z
+        part = self.slope.part
+        return part.base + self.slope.height(u) + part.lift(self._along(v))
 
     def _arches(self, start: float, end: float, v: float) -> Loop:
         """Along the profile at v, from u to u, arc by arc."""
@@ -222,9 +226,6 @@ class _Half:
                 loop.append(self._plumb(met, 0.0, None))
         yield Web(sheet, loop, slope.sign < 0)
 
-    def _height(self, u: float, v: float) -> float:
-        return float(self._point(u, v)[2]) / MM
-
     def _plumb(self, v: float, start: float | None, end: float | None) -> Step:
         """Along the wall's plumb line at v, between two heights [m]; None is the springing."""
         first, last = (self._point(self.slope.far, v, height) for height in (start, end))
@@ -249,11 +250,11 @@ def _ceiling(scene: Scene) -> Iterator[Web]:
         else:
             return
     (x0, x1), (y0, y1) = sides
-    corners = [MM * np.array([x, y, scene.ceiling]) for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1))]
+    corners = [(MM * x, MM * y, MM * scene.ceiling) for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1))]
     paths = [Straight.through(corner, k % 2) for k, corner in enumerate(corners)]
     steps = zip(paths, corners, [*corners[1:], corners[0]], strict=True)
     yield Web(Flat(2, MM * scene.ceiling), [_step(*step) for step in steps])
 
 
-def _step(path: Simple, start: Array, end: Array) -> Step:
+def _step(path: Simple, start: Point, end: Point) -> Step:
     return Step(path, path.parameter(start), path.parameter(end))

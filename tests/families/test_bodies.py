@@ -24,7 +24,7 @@ from families import (
 )
 from families.bodies import inside
 from families.cells import Cell
-from families.curves import Bezier, Conic, Straight, arc_parameter, arc_poles, arc_weight
+from families.curves import Bezier, Conic, Straight, arc_parameter, arc_poles, arc_weight, point
 from families.net import Net, Patch
 from families.outline import Bow
 from families.regions import area, regions
@@ -142,7 +142,7 @@ def test_paths_are_opencascades_curves_and_know_their_parameters(path):
     drawn = [path.geometry.Value(value) for value in t.tolist()]
     assert points == pytest.approx(np.array([(p.X(), p.Y(), p.Z()) for p in drawn]), abs=1e-9)
     assert path.parameters(points) == pytest.approx(t, abs=1e-7)
-    assert path.parameter(points[3]) == pytest.approx(t[3], abs=1e-7)
+    assert path.parameter(point(points[3])) == pytest.approx(t[3], abs=1e-7)
 
 
 def test_a_bezier_arc_is_a_conic_with_another_parameter():
@@ -158,8 +158,8 @@ def square(size: float, reverse: bool = False) -> list[Step]:
     corners = size * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)
     steps = []
     for k, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
-        path = Straight.through(start, k % 2)
-        steps.append(Step(path, path.parameter(start), path.parameter(end)))
+        path = Straight.through(point(start), k % 2)
+        steps.append(Step(path, path.parameter(point(start)), path.parameter(point(end))))
     return [step.reversed for step in steps[::-1]] if reverse else steps
 
 
