@@ -18,6 +18,7 @@ from families.regions import area
 from families.rounds import rounds
 from families.shapes import is_sound, together
 from families.sheets import Flat
+from families.slopes import forget
 from families.steps import Loop, Pole
 from families.units import MM
 from families.vault import IDENTITY
@@ -74,6 +75,7 @@ def surface(half: tuple[float, float], skin: Skin, cuts: Cuts) -> TopoDS_Shape:
 
 def _laid(half: tuple[float, float], skins: list[Skin], cuts: Cuts, corners: Iterable[Array]) -> Net:
     """A net of the faces of skins; it has vertices at the corners too."""
+    forget()  # the same body has the same bytes, whatever was built before
     net = Net()
     webs = [(web, skin.stone) for skin in skins for web in skin.webs(half, cuts, alone=len(skins) == 1)]
     for corner in corners:

@@ -28,7 +28,7 @@ def void(vault: Vault) -> TopoDS_Shape:
     """The room under the vault, above the springing and within the plan.
 
     Raises:
-        ValueError: OpenCASCADE finds a fault in it.
+        ValueError: its faces do not close, or OpenCASCADE finds a fault in it.
     """
     if vault.skew is not None:
         return _skewed(vault, void(vault.straight))
@@ -50,7 +50,7 @@ def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
     """The void grown by a thickness [m] without the void itself; it stands on walls where the plan says so.
 
     Raises:
-        ValueError: the thickness is not above 0, or OpenCASCADE finds a fault in the body.
+        ValueError: the thickness is not above 0, the faces do not close, or OpenCASCADE finds a fault in the body.
     """
     if not thickness > 0:
         raise ValueError(f"thickness = {thickness:g} m must be above 0")

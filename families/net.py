@@ -113,16 +113,12 @@ class Net:
         for axis in range(3):
             beside &= (self.places[:, axis] > low[:, axis, None]) & (self.places[:, axis] < high[:, axis, None])
         # Two of them are its ends.
-        crowded = iter((beside.sum(axis=1) > 2).tolist())
-        rows = iter(beside)
-        found = []
-        for loop in loops:
-            parts = [
-                self._split(step, np.flatnonzero(row)) if many else [step]
-                for step, row, many in zip(loop, rows, crowded, strict=False)
-            ]
-            found.append([part for steps in parts for part in steps])
-        return found
+        crowded = (beside.sum(axis=1) > 2).tolist()
+        parts = iter(
+            self._split(step, np.flatnonzero(row)) if many else [step]
+            for step, row, many in zip(steps, beside, crowded, strict=True)
+        )
+        return [[part for _ in loop for part in next(parts)] for loop in loops]
 
     def _split(self, step: Step, beside: NDArray[np.intp]) -> Loop:
         if not isinstance(step.path, Simple):

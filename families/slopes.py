@@ -196,6 +196,11 @@ def placed(line: Groin, first: Slope, second: Slope) -> list[Spline]:
     return [curve.moved(matrix, place) for curve in line.curves]
 
 
+def forget() -> None:
+    """Forget the groins of earlier bodies: their copies differ in the last digits by which of them came first."""
+    _groin.cache_clear()
+
+
 @lru_cache(maxsize=64)  # cells that are alike have the same
 def _groin(first: Slope, second: Slope, ceiling: float) -> Groin:
     pair = (first, second)

@@ -30,7 +30,7 @@ from families.outline import Bow
 from families.regions import area, regions
 from families.shapes import faces, is_sound, volume
 from families.sheets import Flat
-from families.slopes import Slope, groin, turning
+from families.slopes import Slope, forget, groin, turning
 from families.steps import Step
 from families.vault import IDENTITY
 from families.webs import webs
@@ -202,3 +202,18 @@ def test_faces_share_edges_and_cells_are_joined_without_sewing():
     TopExp.MapShapesAndAncestors_s(shape, TopAbs_EDGE, TopAbs_FACE, shared)
     assert {shared.FindFromIndex(k).Size() for k in range(1, shared.Extent() + 1)} == {2}
     assert all(face.Location().IsIdentity() for face in faces(shape))
+
+
+def test_a_body_is_the_same_to_the_last_digit_whatever_was_built_before(tmp_path):
+    """Copies of a groin share what they have in common: the lunettes of one vault must not be traced for another's."""
+    from OCP.BRepTools import BRepTools
+
+    def written(name):
+        BRepTools.Write_s(brep.masonry(Lunette(count=2, pitch_ratio=0.8), T), str(tmp_path / name))
+        return (tmp_path / name).read_bytes()
+
+    forget()
+    first = written("first")
+    forget()
+    brep.masonry(Lunette(count=2, pitch_ratio=0.8, shift_ratio=0.37), T)
+    assert written("second") == first
