@@ -7,9 +7,16 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from segmentation.crs import Crs
+from segmentation.notes import Note
+
 Up = Literal["z", "y", "x", "-z", "-y", "-x"]
 Floats = NDArray[np.floating[Any]]
 F = TypeVar("F", bound=np.floating[Any])
+
+
+ATTRIBUTES = ("xyz", "normals", "color", "intensity", "classification")
+"""The fields of a Cloud that have a row for each point; all but the first may be None."""
 
 
 def _no_stations() -> NDArray[np.float64]:
@@ -29,8 +36,13 @@ class Cloud:
     stations: (k, 3) float64 scanner positions, local like xyz; empty where the file tells none.
     source: the file, or None.
     up: the axis that was up in the file; another than "z" means that the points were turned when read.
-    dropped: how many points of the file were left out, being NaN, infinite or marked invalid.
-    kept: (points in the file,) bool, True for those in xyz and in the same order; None where nothing was dropped.
+    dropped: how many points of the file are no points: NaN, infinite, or a beam that nothing sent back.
+    kept: (points in the file,) bool, True for those in xyz and in the same order; None where all are.
+    aside: the points of the file that are left out of all work, being marked or far from all others, with the same
+    origin; its own `kept` tells their places in the file. None where there are none.
+    scale: (3,) metres in a unit of the file, by the file's axes.
+    crs: the coordinate system that the file declares, or None.
+    notes: what was assumed, left out or changed when the file was read.
     """
 
     xyz: Floats
@@ -44,13 +56,44 @@ class Cloud:
     up: Up = "z"
     dropped: int = 0
     kept: NDArray[np.bool_] | None = None
+    aside: "Cloud | None" = None
+    scale: NDArray[np.float64] = field(default_factory=lambda: np.ones(3))
+    crs: Crs | None = None
+    notes: tuple[Note, ...] = ()
 
     def __len__(self) -> int:
         return len(self.xyz)
 
     def in_file(self, xyz: Floats) -> NDArray[np.float64]:
-        """Local points (m, 3) in the coordinates and the axes of the file, float64 [m]."""
-        return turn_back(np.asarray(xyz, np.float64) + self.origin, self.up)
+        """Local points (m, 3) in the coordinates, the axes and the unit of the file, float64."""
+        found = turn_back(np.asarray(xyz, np.float64) + self.origin, self.up)
+        return found if (self.scale == 1).all() else found / self.scale
+
+    def whole(self) -> "Cloud":
+        """The cloud with the points set aside back in their places: all points of the file, but for those dropped."""
+        if self.aside is None or self.aside.kept is None or self.kept is None:
+            return self
+        order = np.argsort(np.concatenate([np.flatnonzero(self.kept), np.flatnonzero(self.aside.kept)]), kind="stable")
+
+        def merged(name: str) -> Any:
+            mine, theirs = getattr(self, name), getattr(self.aside, name)
+            return None if mine is None else np.concatenate([mine, theirs])[order]
+
+        return replace(
+            self,
+            **{name: merged(name) for name in ATTRIBUTES},
+            kept=self.kept | self.aside.kept if self.dropped else None,
+            aside=None,
+        )
+
+    def spread(self, values: NDArray[Any], rest: Any = 0) -> NDArray[Any]:
+        """Values (n,) of the points as values of all points of `whole()`, `rest` for those set aside."""
+        if self.aside is None or self.aside.kept is None or self.kept is None:
+            return values
+        there = self.kept | self.aside.kept
+        full = np.full(len(self) + len(self.aside), rest, values.dtype)
+        full[self.kept[there]] = values
+        return full
 
 
 AXES: dict[Up, tuple[tuple[int, int, int], tuple[int, int, int]]] = {
@@ -90,4 +133,5 @@ def stood_up(cloud: Cloud, up: Up) -> Cloud:
         normals=None if cloud.normals is None else turn(cloud.normals, up),
         stations=turn(cloud.stations, up),
         up=up,
+        aside=None if cloud.aside is None else stood_up(cloud.aside, up),
     )

@@ -1,4 +1,4 @@
-"""What reading a cloud can raise."""
+"""What reading and writing a cloud can raise."""
 
 from pathlib import Path
 
@@ -9,3 +9,12 @@ class ReadError(ValueError):
     def __init__(self, path: Path | str, wrong: str, way_out: str) -> None:
         super().__init__(" ".join(f"{path}: {wrong}; {way_out}".split()))
         self.path = Path(path)
+
+
+class WriteError(OSError):
+    """A file that the system, or a library, could not write. The message is one line: the file, why, the way out."""
+
+    def __init__(self, path: Path | str, reason: str) -> None:
+        super().__init__(" ".join(f"{path}: could not be written ({reason}); free space on the disk".split()))
+        self.path = Path(path)
+        self.reason = reason

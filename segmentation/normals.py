@@ -16,10 +16,11 @@ SWEEPS = 12
 """More than Jacobi's method ever needs for 3 x 3: it converges quadratically."""
 
 
-def estimate(xyz: Floats, neighbours: int = 20) -> NDArray[np.float32]:
+def estimate(xyz: Floats, neighbours: int = 20, *, at: NDArray[np.int64] | None = None) -> NDArray[np.float32]:
     """Unit normals (n, 3) of points (n, 3) [m], unoriented; NaN where a point is not finite or its neighbours line up.
 
     neighbours: how many nearest points, the point itself among them, make a normal; all points if there are fewer.
+    at: (k,) indices of the points to take normals at, whose (k, 3) they are then; all points must be finite.
     Raises ValueError if neighbours is below 3.
     Source: Hoppe et al., Surface reconstruction from unorganized points, 1992; neighbours by small_gicp's k-d tree.
     """
@@ -34,11 +35,14 @@ def estimate(xyz: Floats, neighbours: int = 20) -> NDArray[np.float32]:
         return normals
     cores = os.cpu_count() or 1
     tree = small_gicp.KdTree(points, num_threads=cores)
-    found = np.empty((len(points), 3), np.float32)
-    for at in range(0, len(points), BATCH):
-        query = points[at : at + BATCH]
+    queries = points if at is None else points[at]
+    found = np.empty((len(queries), 3), np.float32)
+    for k in range(0, len(queries), BATCH):
+        query = queries[k : k + BATCH]
         nearest, _ = tree.batch_knn_search(query, min(neighbours, len(points)), num_threads=cores)
-        found[at : at + BATCH] = _axes(points, nearest.astype(np.int64))
+        found[k : k + BATCH] = _axes(points, nearest.astype(np.int64))
+    if at is not None:
+        return found
     normals[finite] = found
     return normals
 

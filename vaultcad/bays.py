@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from vaultcad.errors import NoVaultError
 from vaultcad.site import STEEP, Thin, above_floor, inside, turned, yaw_of
 
 Array = NDArray[np.float64]
@@ -20,6 +21,7 @@ NARROWEST = 1.0  # m, of a bay
 LEAST = 1.5  # m², of the ceiling over a bay
 GAP = 10.0  # m; how deep a gap counts
 WALL = 2  # cells beyond what hangs over a room that belong to it
+ROOMY = 200, 1 << 20  # cells of the grid that a point may have, and that any scan may have
 FULL = 0.4  # share of a bay's rectangle that has a ceiling, at least
 
 
@@ -65,6 +67,7 @@ class Ceiling:
         low = xy.min(axis=0)
         index = np.floor((xy - low) / cell).astype(np.int64)
         shape = index.max(axis=0) + 1
+        _check_grid(shape, len(points), cell)
         flat = index[:, 0] * shape[1] + index[:, 1]
         size = int(shape.prod())
         order = np.argsort(z, kind="stable")
@@ -157,6 +160,19 @@ class Ceiling:
             else:
                 out.append(new)
         return out
+
+
+def _check_grid(shape: NDArray[np.int64], points: int, cell: float) -> None:
+    """See that a grid of that shape is no larger than so many points deserve.
+
+    Raises:
+        NoVaultError: it is; rooms far from each other are in one scan.
+    """
+    if float(shape[0]) * float(shape[1]) > max(ROOMY[0] * points, ROOMY[1]):
+        x, y = shape * cell
+        raise NoVaultError(
+            f"no vault found: {points:,} places are scattered over {x:,.0f} × {y:,.0f} m; crop the scan to one building"
+        )
 
 
 def _valleys(profile: Array) -> Iterator[tuple[int, int, float]]:

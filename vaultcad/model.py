@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
+from segmentation.crs import Crs
+from segmentation.notes import Note
 
 
 @dataclass(frozen=True)
@@ -147,6 +149,15 @@ class Model:
     settings: Mapping[str, Any] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     seconds: Mapping[str, float] = field(default_factory=dict)  # stage -> time; the one part that is not reproducible
+    unit: float = 1.0  # m, of x and y in the scan
+    crs: Crs | None = None  # that the scan declares
+    notes: tuple[Note, ...] = ()  # what was assumed, left out or changed
+
+    @property
+    def place(self) -> str:
+        """In words to what the geometry is relative: "origin 500000 4700000 0 m, EPSG:32633"."""
+        origin = " ".join(f"{float(v):.10g}" for v in self.origin)
+        return f"origin {origin} m" + ("" if self.crs is None else f", {self.crs.title}")
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, Any]:
         """What a notebook shows."""

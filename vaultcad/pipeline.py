@@ -106,6 +106,9 @@ def fit_scan(cloud: Cloud, settings: Settings = Settings(), *, progress: Progres
         },
         versions=versions(),
         seconds=seconds,
+        unit=float(cloud.scale[0]),
+        crs=cloud.crs,
+        notes=cloud.notes,
     )
     return Result(model, labels, thin.points, thinned.component, thinned.vault, thinned.deviation.astype(np.float64))
 

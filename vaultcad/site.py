@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 Real = TypeVar("Real", bound=np.floating)
 SMALL = 0.3  # m; what stands above the floor is no vault if it is flatter than this along any axis
 FEWEST = 1000  # points of a scan
+LONGEST = 20_000.0  # m, of a scan; neither a building nor what the cells of a grid can number
 FEWEST_PLACES = 100  # of them, once they are thinned
 CHUNK = 1 << 20  # points of the scan that are looked at together
 CELL, CELLS = 0.004, (0.02, 0.08)  # thinning, as a share of the scan's diagonal, and its limits in metres
@@ -109,6 +110,8 @@ def thin_scan(cloud: Cloud) -> Thin:
     size = float(np.linalg.norm(np.ptp(cloud.xyz, axis=0).astype(np.float64)))
     if size == 0:
         raise NoVaultError("no vault found: all points of the scan are one and the same")
+    if size > LONGEST:
+        raise NoVaultError(f"no vault found: the scan is {size / 1000:,.0f} km long; crop it to one building")
     voxel = float(np.clip(CELL * size, *CELLS))
     thinned = thin(cloud.xyz, voxel)
     normals = estimate(thinned.xyz)

@@ -3,8 +3,10 @@
 formats.py: read(path), and the table of readers, one file per format beside it.
 write.py: write_cloud(path, xyz, …), and the table of writers, one file per format beside it.
 labelled.py: write_labelled(scan, path, cloud, extra), a scan once more with labels.
-Inside: chunk.py makes the Cloud, ranges.py unifies colours and intensities, table.py reads columns of numbers,
-records.py finds columns in records, columns.py makes them, whole.py lets no half file stay.
+Inside: a reader yields chunks (chunk.py) and fills facts (facts.py); assemble.py makes the Cloud of them, by scale.py
+(units), specks.py (points far from all others), precision.py and place.py (the origin), ranges.py (colours and
+intensities). table.py reads columns of numbers, header.py understands their names, guess.py does without; records.py
+finds columns in records, columns.py makes them, whole.py lets no half file stay.
 """
 
 from segmentation.io.formats import READERS, read

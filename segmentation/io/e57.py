@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from segmentation.crs import of_wkt
 from segmentation.errors import ReadError
 from segmentation.io.chunk import SIZE, Chunk
+from segmentation.io.facts import Facts
 from segmentation.io.ranges import TOP
 
 CARTESIAN = ("cartesianX", "cartesianY", "cartesianZ")
@@ -34,11 +36,11 @@ class Pose:
     is_identity: bool
 
 
-def read_e57(path: Path) -> Iterator[Chunk]:
+def read_e57(path: Path, facts: Facts) -> Iterator[Chunk]:
     """The points of all scans in the file's coordinates, with colour, intensity, normals and scanner positions.
 
     A scanner's position is the translation of its scan's pose. A scan without pose tells none, nor does a lone scan
-    whose pose is the identity, which is how merged clouds are written.
+    whose pose is the identity, which is how merged clouds are written. Points with an invalid state are marked.
     Raises ReadError if the file is damaged, or a scan has neither cartesian nor spherical coordinates.
     """
     from pye57 import libe57
@@ -48,12 +50,16 @@ def read_e57(path: Path) -> Iterator[Chunk]:
     except Exception as error:
         raise _damaged(path, error) from error
     try:
-        data = image.root()["data3D"]
+        root = image.root()
+        facts.format_unit = "m"
+        if root.isDefined("coordinateMetadata"):
+            facts.declare(of_wkt(root["coordinateMetadata"].value()))
+        data = root["data3D"]
         scans = [data[k] for k in range(len(data)) if data[k]["points"].childCount() > 0]
         total = sum(scan["points"].childCount() for scan in scans)
         done = 0
-        for scan in scans:
-            pose = _pose(scan)
+        for number, scan in enumerate(scans, 1):
+            pose = _pose(path, scan, number, facts)
             lone = pose is None or (pose.is_identity and len(scans) == 1)
             stations = None if pose is None or lone else pose.translation[None]
             for raw in _raw_chunks(path, image, scan):
@@ -101,7 +107,7 @@ def _chunk(raw: dict[str, NDArray[Any]], scan: Any, pose: Pose | None) -> Chunk:
         normals=normals,
         color=np.stack([_scaled(raw[f], scan, "colorLimits", f) for f in COLOR], axis=1) if COLOR[0] in raw else None,
         intensity=_scaled(raw["intensity"], scan, "intensityLimits", "intensity") if "intensity" in raw else None,
-        valid=None if state is None else state == 0,
+        marks={} if state is None or not state.any() else {"with an invalid state": state != 0},
     )
 
 
@@ -120,12 +126,25 @@ def _scaled(values: NDArray[Any], scan: Any, limits: str, field: str) -> NDArray
     return np.round(np.clip((values - low) * (TOP / (high - low)), 0, TOP)).astype(np.uint16)
 
 
-def _pose(scan: Any) -> Pose | None:
+def _pose(path: Path, scan: Any, number: int, facts: Facts) -> Pose | None:
+    """The pose of a scan, which is the number-th of its file.
+
+    Raises ReadError if its numbers make no motion.
+    """
     if not scan.isDefined("pose"):
         return None
     pose = scan["pose"]
-    w, x, y, z = _numbers(pose, "rotation", "wxyz", [1.0, 0.0, 0.0, 0.0])
+    w, x, y, z = quaternion = _numbers(pose, "rotation", "wxyz", [1.0, 0.0, 0.0, 0.0])
     n = w * w + x * x + y * y + z * z
+    translation = np.array(_numbers(pose, "translation", "xyz", [0.0, 0.0, 0.0]))
+    if not (np.isfinite(n) and np.isfinite(translation).all()):
+        wrong = f"the pose of scan {number} is no motion (quaternion {quaternion}, translation {translation.tolist()})"
+        raise ReadError(path, wrong, "export the scan again, registered")
+    if n == 0:
+        facts.tell(
+            "pose", f"the pose of scan {number} has the quaternion 0 0 0 0: the scan is taken without a rotation"
+        )
+        w = n = 1.0
     rotation = np.eye(3) + (2 / n) * np.array(
         [
             [-y * y - z * z, x * y - w * z, x * z + w * y],
@@ -133,7 +152,6 @@ def _pose(scan: Any) -> Pose | None:
             [x * z - w * y, y * z + w * x, -x * x - y * y],
         ]
     )
-    translation = np.array(_numbers(pose, "translation", "xyz", [0.0, 0.0, 0.0]))
     return Pose(rotation, translation, is_identity=bool((rotation == np.eye(3)).all() and not translation.any()))
 
 

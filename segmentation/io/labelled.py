@@ -15,6 +15,9 @@ from segmentation.io.las import las_points, open_las, read_las
 from segmentation.io.whole import replacing
 from segmentation.io.write_las import add_extras, open_writer, write_las
 
+OLDEST = "1.2"
+"""The first version of LAS that laspy writes."""
+
 
 def write_labelled(
     scan: Path | str,
@@ -28,10 +31,10 @@ def write_labelled(
 
     scan: the file that `cloud` was read from. extra: numbers (len(cloud),) under their names; a dimension of the same
     name in the scan is replaced.
-    A LAS or LAZ scan is streamed: all its dimensions, scales, offsets, coordinate system and other records are kept,
-    and points that the cloud has dropped get 0 or NaN. Of any other format the points of the cloud are written, in
-    their order, rounded to 0.1 mm, with colour, intensity, classification and normals; dropped points, which are NaN
-    or invalid there, are left out.
+    A LAS or LAZ scan is streamed: all its dimensions, scales, offsets, coordinate system and other records are kept.
+    Of any other format the points of the cloud and those it has set aside are written, in the file's order, rounded to
+    0.0001 of its unit, with colour, intensity, classification and normals; what is dropped, being no point, is left
+    out. Points set aside or dropped get 0 or NaN.
     Raises ValueError if an extra has not the length of the cloud, ReadError if the scan is not the cloud's any more.
     """
     scan, path = Path(scan), Path(path)
@@ -42,9 +45,14 @@ def write_labelled(
         if READERS.get(scan.suffix.lower()) is read_las:
             _stream(scan, beside, cloud, extra, progress)
         else:
-            write_las(beside, cloud, extra)
+            write_las(beside, cloud.whole(), spread_all(cloud, extra))
             if progress is not None:
                 progress(1.0)
+
+
+def spread_all(cloud: Cloud, extra: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Numbers (n,) of the cloud's points as those of `cloud.whole()`: 0 or NaN for points set aside."""
+    return {name: cloud.spread(values, np.nan if values.dtype.kind == "f" else 0) for name, values in extra.items()}
 
 
 def _stream(scan: Path, path: Path, cloud: Cloud, extra: Mapping[str, NDArray[Any]], progress: Progress | None) -> None:
@@ -52,10 +60,12 @@ def _stream(scan: Path, path: Path, cloud: Cloud, extra: Mapping[str, NDArray[An
 
     with open_las(scan) as reader:
         total = reader.header.point_count
-        if total != len(cloud) + cloud.dropped:
-            wrong = f"holds {total} points, {len(cloud) + cloud.dropped} when it was read"
+        read = len(cloud) + cloud.dropped + (0 if cloud.aside is None else len(cloud.aside))
+        if total != read:
+            wrong = f"holds {total} points, {read} when it was read"
             raise ReadError(scan, wrong, "leave the scan alone while it is worked on")
         header = reader.header.copy()
+        header.version = max(header.version, laspy.header.Version.from_str(OLDEST))
         # the index of a cloud-optimised LAZ does not fit the new file
         header.vlrs = [vlr for vlr in header.vlrs if vlr.user_id != "copc"]
         add_extras(header, extra)

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.errors import ReadError
+from segmentation.io.facts import Facts
 from segmentation.io.formats import reader_of
 from segmentation.io.las import las_points, open_las
-from segmentation.io.ply import _ascii, _binary, _layout
+from segmentation.io.ply import layout_of, vertices
 
 Labels = NDArray[np.integer[Any]]
 
@@ -43,12 +44,12 @@ def _las(path: Path, name: str) -> NDArray[Any]:
 
 
 def _ply(path: Path, name: str) -> NDArray[Any]:
-    layout = _layout(path)
+    layout = layout_of(path, Facts())
     names = list(layout.dtype.names or ())
-    if name not in names:
+    if name.lower() not in names:
         raise _lacking(path, name, names)
-    chunks = (_ascii if layout.ascii else _binary)(path, layout)
-    return np.concatenate([np.empty(0, layout.dtype[name]), *(values[name] for values, _ in chunks)])
+    chunks = (values[name.lower()] for values, _ in vertices(path, layout))
+    return np.concatenate([np.empty(0, layout.dtype[name.lower()]), *chunks])
 
 
 def _npz(path: Path, name: str) -> NDArray[Any]:

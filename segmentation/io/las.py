@@ -8,22 +8,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from segmentation.crs import Crs, of_geokeys, of_wkt
 from segmentation.errors import ReadError
 from segmentation.io.chunk import SIZE, Chunk
+from segmentation.io.facts import Facts
 
 NORMALS = ("NormalX", "NormalY", "NormalZ")
 """Extra dimensions for normals, named as CloudCompare does."""
 WAY_OUT = "copy it again from where it comes from, or export the scan again"
 
 
-def read_las(path: Path) -> Iterator[Chunk]:
+NOISE = {7: "noise (class 7)", 18: "high noise (class 18)"}
+"""Classes of the LAS standard that are no surface, and what they are called."""
+KEYS, DOUBLES = 34735, 34736
+"""Records of the VLRs that hold GeoTIFF keys, and the real numbers of some of them."""
+
+
+def read_las(path: Path, facts: Facts) -> Iterator[Chunk]:
     """The points of a LAS or LAZ file with colour, intensity, classification and, as extra dimensions, normals.
 
+    Points that are withheld, synthetic or of a noise class are marked; the coordinate system is told to `facts`.
     Raises ReadError if the file is damaged or holds fewer points than its header promises. LAZ has no checksums: damage
     amid compressed points may pass unnoticed.
     """
     with open_las(path) as reader:
         reader.decompression_selection = _needed(reader.header)
+        facts.declare(_crs(reader, facts))
         total = reader.header.point_count
         done = 0
         for points in las_points(path, reader):
@@ -67,7 +77,7 @@ def _needed(header: Any) -> Any:
     """What of the points is decompressed; the other dimensions of point formats 6 to 10 are passed over."""
     from laspy import DecompressionSelection as Part
 
-    parts = Part.XY_RETURNS_CHANNEL | Part.Z | Part.CLASSIFICATION | Part.INTENSITY | Part.RGB
+    parts = Part.XY_RETURNS_CHANNEL | Part.Z | Part.CLASSIFICATION | Part.FLAGS | Part.INTENSITY | Part.RGB
     return parts | Part.ALL_EXTRA_BYTES if _has_normals(header.point_format) else parts
 
 
@@ -85,9 +95,40 @@ def _chunk(points: Any, header: Any, done: float) -> Chunk:
         normals=_columns(points, NORMALS) if _has_normals(points.point_format) else None,
         color=_columns(points, ("red", "green", "blue")) if "red" in points.array.dtype.names else None,
         intensity=np.array(points["intensity"]),
-        classification=np.array(points["classification"]),
+        classification=(classes := np.array(points["classification"])),
+        marks=_marks(points, classes),
         done=done,
     )
+
+
+def _marks(points: Any, classes: NDArray[np.uint8]) -> dict[str, NDArray[np.bool_]]:
+    """What the file calls the points, where it calls any so."""
+    found = {name: np.asarray(points[name]).astype(np.bool_) for name in ("withheld", "synthetic")}
+    found |= {name: classes == number for number, name in NOISE.items()}
+    return {name: mask for name, mask in found.items() if mask.any()}
+
+
+def _crs(reader: Any, facts: Facts) -> Crs | None:
+    """The coordinate system: the well-known text if there is one that can be read, else the GeoTIFF keys."""
+    records = [*reader.header.vlrs, *(reader.evlrs or [])]
+    texts = [vlr.string for vlr in records if type(vlr).__name__ == "WktCoordinateSystemVlr"]
+    found = next((crs for text in texts if (crs := of_wkt(text)) is not None), None)
+    if found is not None:
+        return found
+    if any(text.strip("\0 ") for text in texts):
+        facts.tell("crs", "the coordinate system of the file cannot be read: nothing is taken from it")
+    directory = next((vlr for vlr in records if vlr.record_id == KEYS and hasattr(vlr, "geo_keys")), None)
+    if directory is None:
+        return None
+    reals = (vlr.doubles for vlr in records if vlr.record_id == DOUBLES and hasattr(vlr, "doubles"))
+    doubles = next(reals, [])
+    keys: dict[int, float] = {}
+    for key in directory.geo_keys:
+        if key.tiff_tag_location == 0:
+            keys[key.id] = key.value_offset
+        elif key.tiff_tag_location == DOUBLES and key.value_offset < len(doubles):
+            keys[key.id] = doubles[key.value_offset].value
+    return of_geokeys(keys)
 
 
 def _columns(points: Any, names: tuple[str, ...]) -> NDArray[Any]:

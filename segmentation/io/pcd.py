@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from segmentation.errors import ReadError
 from segmentation.io.chunk import SIZE, Chunk
-from segmentation.io.records import XYZ, chunk_of, from_table
+from segmentation.io.facts import Facts
+from segmentation.io.records import XYZ, chunk_of, from_table, unique
 from segmentation.io.table import Rows
 
 KINDS = {"F": "f", "I": "i", "U": "u"}
@@ -34,19 +35,19 @@ class Layout:
 Values = Iterator[tuple[NDArray[np.void], float]]
 
 
-def read_pcd(path: Path) -> Iterator[Chunk]:
+def read_pcd(path: Path, facts: Facts) -> Iterator[Chunk]:
     """The points with normals, colour (packed or not), intensity; the viewpoint's position, if set, as station.
 
     Raises ReadError if the header makes no sense or points are missing.
     """
-    layout = _layout(path)
+    layout = _layout(path, facts)
     stations = layout.viewpoint
     for values, done in DECODERS[layout.encoding](path, layout):
         yield replace(chunk_of(values, done, _color(values)), stations=stations)
         stations = None
 
 
-def _layout(path: Path) -> Layout:
+def _layout(path: Path, facts: Facts) -> Layout:
     header: dict[str, list[str]] = {}
     with path.open("rb") as file:
         while "DATA" not in header:
@@ -54,17 +55,17 @@ def _layout(path: Path) -> Layout:
             if not line or len(header) > 20:
                 raise ReadError(path, "has no whole PCD header", WAY_OUT)
             words = line.decode("latin-1").split() or [""]
-            if not words[0].startswith("#"):
+            if words[0].startswith("#"):
+                facts.listen(" ".join(words))
+            elif words[0]:
                 header[words[0].upper()] = words[1:]
         start = file.tell()
     try:
-        names, sizes, kinds = header["FIELDS"], header["SIZE"], header["TYPE"]
+        names, sizes, kinds = unique(header["FIELDS"]), header["SIZE"], header["TYPE"]
         counts = header.get("COUNT", ["1"] * len(names))
         fields: list[Any] = []
-        for k, (name, size, kind, n) in enumerate(zip(names, sizes, kinds, counts, strict=True)):
-            # padding is always named "_", and may come more than once
-            unique = f"{name}{k}" if name == "_" else name
-            fields.append((unique, f"<{KINDS[kind]}{int(size)}", *([(int(n),)] if int(n) != 1 else [])))
+        for name, size, kind, n in zip(names, sizes, kinds, counts, strict=True):
+            fields.append((name, f"<{KINDS[kind]}{int(size)}", *([(int(n),)] if int(n) != 1 else [])))
         dtype = np.dtype(fields)
         count = int(header["POINTS"][0]) if "POINTS" in header else int(header["WIDTH"][0]) * int(header["HEIGHT"][0])
         place = [float(v) for v in header.get("VIEWPOINT", ["0"] * 3)[:3]]

@@ -1,5 +1,6 @@
 """Columns by name out of a structured array, for the formats whose points are records (PLY, PCD)."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,16 @@ from segmentation.io.chunk import Chunk
 XYZ = ("x", "y", "z")
 NORMALS = (("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"))
 COLORS = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b"))
-INTENSITIES = tuple((name,) for name in ("intensity", "Intensity", "scalar_intensity", "scalar_Intensity"))
-CLASSES = tuple((name,) for name in ("classification", "scalar_classification", "scalar_Classification"))
+INTENSITIES = tuple((name,) for name in ("intensity", "scalar_intensity", "reflectance", "scalar_reflectance"))
+CLASSES = tuple((name,) for name in ("classification", "scalar_classification"))
+
+
+def unique(names: Iterable[str]) -> list[str]:
+    """Names in small letters, as programs differ in that; one that comes again gets its place added."""
+    found: list[str] = []
+    for k, name in enumerate(map(str.lower, names)):
+        found.append(f"{name}#{k}" if name in found else name)
+    return found
 
 
 def chunk_of(values: NDArray[np.void], done: float, color: NDArray[Any] | None = None) -> Chunk:

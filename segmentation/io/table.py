@@ -1,9 +1,12 @@
 """Rows of numbers in a text, read block by block at the speed of numpy's parser."""
 
+import codecs
+import io
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,19 +19,69 @@ LINE = 1 << 16
 """Bytes that a line may have."""
 MISSING = {b"nan", b"-nan", b"-nan(ind)", b"nan(ind)", b"1.#qnan", b"-1.#ind", b"na", b"n/a", b"null", b"none", b"-"}
 COMMENTS = (b"#", b"//")
+HEAD = 1 << 16
+"""Bytes at the beginning that tell how a text is encoded, and what its columns are."""
+WIDE = {codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16", codecs.BOM_UTF8: "utf-8-sig"}
+"""What a text begins with that has two bytes a digit, or something before the first; and how it is to be read."""
 WAY_OUT = "export the scan as plain columns of numbers, or as E57, LAZ or PLY"
+
+
+QUOTED = re.compile(rb"\"([-+]?\d*),(\d+(?:[eE][-+]?\d+)?)\"")
+"""A number in quotes with a decimal comma."""
+
+
+def number_of(word: bytes) -> float:
+    """The number that a word is, nan for one that stands for a missing number. Raises ValueError if it is none."""
+    if word.lower() in MISSING:
+        return float("nan")
+    if b"_" in word:  # Python's own way to write numbers, and no one else's
+        raise ValueError(word)
+    return float(word)
+
+
+def opened(path: Path) -> BinaryIO:
+    """A text as bytes of UTF-8, without a mark at its beginning, its lines ended by line feeds.
+
+    Most files are that already; one that is not is converted in memory.
+    """
+    with path.open("rb") as file:
+        head = file.read(HEAD)
+        encoding = next((name for mark, name in WIDE.items() if head.startswith(mark)), None)
+        if encoding is None and head[1::2].count(0) > len(head) // 4:
+            encoding = "utf-16-le"
+        returns_only = b"\r" in head and b"\n" not in head
+        if encoding is None and not returns_only:
+            return path.open("rb")
+        content = head + file.read()
+    if encoding is not None:
+        content = content.decode(encoding, errors="replace").encode()
+    return io.BytesIO(re.sub(rb"\r(?!\n)", b"\n", content) if b"\r" in content[:HEAD] else content)
 
 
 @dataclass(frozen=True)
 class Dialect:
-    """What stands between the numbers of a row: white space always, and `delimiter` too if it is not empty."""
+    """What stands between the numbers of a row: white space always, and `delimiter` too if it is not empty.
+
+    quoted_comma: numbers stand in quotes, with a decimal comma, though commas stand between them: "1,5","2,5".
+    """
 
     delimiter: bytes = b""
     decimal_comma: bool = False
+    quoted_comma: bool = False
+
+    def cells(self, text: bytes) -> list[bytes]:
+        """What stands in the columns of a line, words or numbers, these with points."""
+        text = QUOTED.sub(rb"\1.\2", text) if self.quoted_comma else text
+        cells = text.strip(b" \r\n").split(self.delimiter) if self.delimiter else text.split()
+        if self.decimal_comma:
+            cells = [cell.replace(b",", b".") for cell in cells]
+        return [cell.strip(b'" \t') or b"nan" for cell in cells]
 
     def plain(self, text: bytes) -> bytes:
         """The text with white space between the numbers, points in them, and nan for what is left empty."""
         d = self.delimiter
+        if self.quoted_comma:
+            text = QUOTED.sub(rb"\1.\2", text)
         if d and (
             text[:1] == d or text[-1:] == d or any(gap in text for gap in (d + d, b"\n" + d, d + b"\n", d + b"\r"))
         ):
@@ -44,6 +97,7 @@ class Rows:
     """Iterates over the rows of a text file as float64 tables (k, columns).
 
     start: byte at which to begin. skip: lines to leave out from there. limit: rows after which to stop, None for all.
+    words: columns that hold words, as names of points; they are read as nan.
     counts: filled while reading with whole numbers that stand alone in a line, as PTS has them before each scan.
     Blank lines and comments are passed over. Raises ReadError that names the line which is no row.
     """
@@ -54,14 +108,16 @@ class Rows:
     skip: int = 0
     limit: int | None = None
     dialect: Dialect = field(default_factory=Dialect)
+    words: frozenset[int] = frozenset()
     counts: list[int] = field(default_factory=list)
     done: float = 0.0
     """Share of the file read so far."""
 
     def __iter__(self) -> Iterator[NDArray[np.float64]]:
         left = self.limit
-        size = self.path.stat().st_size
-        with self.path.open("rb") as file:
+        with opened(self.path) as file:
+            size = file.seek(0, io.SEEK_END)
+            file.seek(0)
             line = file.read(self.start).count(b"\n") + self.skip
             for _ in range(self.skip):
                 file.readline()
@@ -80,7 +136,7 @@ class Rows:
 
     def _table(self, block: bytes, line: int, left: int | None) -> NDArray[np.float64]:
         lines = block.count(b"\n") + (not block.endswith(b"\n"))
-        if left is None or lines <= left:
+        if not self.words and (left is None or lines <= left):
             try:
                 numbers = np.fromstring(self.dialect.plain(block), sep=" ")
                 if len(numbers) == lines * self.columns:
@@ -94,14 +150,14 @@ class Rows:
         for number, text in enumerate(block.splitlines(), line + 1):
             if len(table) == left:
                 break
-            words = self.dialect.plain(text).split()
+            words = self._row(text)
             if not words or text.lstrip().startswith(COMMENTS):
                 continue
             if len(words) == 1 and self.columns > 1 and words[0].isdigit():
                 self.counts.append(int(words[0]))
                 continue
             try:
-                row = [float("nan") if word.lower() in MISSING else float(word) for word in words]
+                row = [number_of(word) for word in words]
             except ValueError:
                 shown = text[:40].decode("latin-1").encode("unicode_escape").decode()
                 raise ReadError(self.path, f"line {number} is no row of numbers ('{shown}')", WAY_OUT) from None
@@ -112,3 +168,11 @@ class Rows:
                 raise ReadError(self.path, wrong, WAY_OUT)
             table.append(row)
         return np.array(table).reshape(-1, self.columns)
+
+    def _row(self, text: bytes) -> list[bytes]:
+        """The numbers of a line as they stand there, nan for words in their columns."""
+        if not self.words:
+            return self.dialect.plain(text).split()
+        if not text.strip():
+            return []
+        return [b"nan" if k in self.words else cell for k, cell in enumerate(self.dialect.cells(text))]

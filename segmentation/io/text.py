@@ -1,6 +1,7 @@
 """XYZ, TXT, ASC, PTS and CSV: columns of numbers, told apart by their names or by what they hold."""
 
 import re
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,49 +11,49 @@ from numpy.typing import NDArray
 
 from segmentation.errors import ReadError
 from segmentation.io.chunk import Chunk
-from segmentation.io.table import Dialect, Rows
+from segmentation.io.facts import Facts
+from segmentation.io.guess import AmbiguousError, guessed
+from segmentation.io.header import Header, NotUnderstoodError, is_units, names_of, swapped, understood
+from segmentation.io.place import FAR
+from segmentation.io.table import COMMENTS, HEAD, MISSING, Dialect, Rows, number_of, opened
+from segmentation.units import UNITS, unit_named
 
-HEAD = 1 << 16
-"""Bytes of the file that are looked at to find out its columns."""
-BOM = b"\xef\xbb\xbf"
-ROW = re.compile(rb"\s*[\"]?([-+.,;\d]|na|nu|none)", re.IGNORECASE)
-"""How a line begins that holds numbers, or words for missing ones."""
-NAMES = {
-    "x": {"x", "easting", "east"}, "y": {"y", "northing", "north"}, "z": {"z", "elevation", "height"},
-    "r": {"r", "red"}, "g": {"g", "green"}, "b": {"b", "blue"},
-    "nx": {"nx", "normalx", "normal_x"}, "ny": {"ny", "normaly", "normal_y"}, "nz": {"nz", "normalz", "normal_z"},
-    "intensity": {"i", "intensity", "scalar_intensity", "reflectance"},
-    "classification": {"classification", "scalar_classification", "class"},
-}  # fmt: skip
+NUMBER = re.compile(rb"(?<![A-Za-z\d_.])[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?(?![A-Za-z\d_])")
+WORDS = 0.1
+"""Share of the rows in which a column has words from which on it is one of words, and no damage."""
 WAY_OUT = "export the scan as plain columns x y z, or as E57, LAZ or PLY"
+COLUMNS = (
+    "say what each column is, as --columns x,y,z,- (names x y z r g b nx ny nz intensity classification, - for none)"
+)
 
 
 @dataclass(frozen=True)
 class Layout:
-    """How a text is to be read. start, skip: bytes and lines before the first row.
+    """How a text is to be read. skip: lines before the first row.
 
-    columns: how many. at: column of each name of NAMES that is there.
+    columns: how many. words: those that hold words. at: column of each thing that is there.
     """
 
     dialect: Dialect
-    start: int
     skip: int
     columns: int
+    words: frozenset[int]
     at: dict[str, int]
     promised: int | None
     """How many points a count line before the first row promises."""
 
 
-def read_text(path: Path) -> Iterator[Chunk]:
+def read_text(path: Path, facts: Facts, columns: str | None = None) -> Iterator[Chunk]:
     """The rows as points, with intensity, colour and normals where there are such columns.
 
-    Columns are taken by the names in a header line; without one as x y z, then intensity, if the others are not
-    threes, then threes of colour or (unit vectors) normals. White space, commas, semicolons and decimal commas are
-    recognised; a line with a count, as PTS has it, is checked against the rows.
-    Raises ReadError if there are no rows of numbers, a line is none, or rows are missing.
+    Columns are taken as `columns` says ("y,x,z,-"), else by the names in a header line, in the languages of header.py;
+    without one by their place and what they hold, which `facts` is told. White space, commas, semicolons and decimal
+    commas are recognised; a line with a count, as PTS has it, is checked against the rows.
+    Raises ReadError if there are no rows of numbers, a line is none, rows are missing, or it is not clear which columns
+    are x, y and z.
     """
-    layout = _layout(path)
-    rows = Rows(path, layout.columns, start=layout.start, skip=layout.skip, dialect=layout.dialect)
+    layout = _layout(path, facts, columns)
+    rows = Rows(path, layout.columns, skip=layout.skip, dialect=layout.dialect, words=layout.words)
     have = 0
     for table in rows:
         have += len(table)
@@ -80,76 +81,155 @@ def _chunk(table: NDArray[np.float64], at: dict[str, int], done: float) -> Chunk
     )
 
 
-def _layout(path: Path) -> Layout:
-    with path.open("rb") as file:
+def _layout(path: Path, facts: Facts, said: str | None) -> Layout:
+    with opened(path) as file:
         head = file.read(HEAD)
-    start = len(BOM) if head.startswith(BOM) else 0
-    lines = head[start:].splitlines()
+    lines = head.splitlines()
     if len(head) == HEAD:
         lines.pop()
     dialect = _dialect(lines)
-    rows = [(k, row) for k, row in enumerate(_numbers(line, dialect) for line in lines) if row is not None]
-    first = next((k for k, row in rows if len(row) >= 3), None)
-    if first is None:
+    cells = [[] if line.lstrip().startswith(COMMENTS) else dialect.cells(line) for line in lines]
+    numbers = [sum(map(_is_number, row)) for row in cells]
+    widths = Counter(len(row) for row, n in zip(cells, numbers, strict=True) if n >= 3)
+    if not widths:
         raise ReadError(path, "has no line with three numbers", WAY_OUT)
-    before = [row for k, row in rows if k < first]
-    counts = [int(row[0]) for row in before if len(row) == 1 and row[0].is_integer()]
-    sample = [row for k, row in rows if k >= first]
-    width = len(sample[0])
-    table = np.array([row for row in sample if len(row) == width])
-    at = _named(lines[:first], width) or _guessed(table)
-    return Layout(dialect, start, first, width, at, counts[-1] if counts else None)
+    first = next(
+        k
+        for k, n in enumerate(numbers)
+        if n >= 3 and (len(cells[k]) == widths.most_common(1)[0][0] or n == len(cells[k]))
+    )
+    width = len(cells[first])
+    sample = [row for row in cells[first:] if len(row) == width]
+    words = frozenset(k for k in range(width) if sum(not _is_number(row[k]) for row in sample) > WORDS * len(sample))
+    if width - len(words) < 3:
+        words = frozenset()
+    table = np.array([[_value(word) for word in row] for row in sample])
+    before = [row for row in cells[:first] if len(row) == 1 and row[0].isdigit()]
+    header, unit_line = _header(path, lines[:first], width, dialect, said)
+    _tell_unit(facts, lines[:first], header, unit_line)
+    at = _named(path, facts, header, table, words, said) if header else _placed(path, facts, table, words)
+    if words & {at["x"], at["y"], at["z"]}:
+        raise ReadError(path, f"has words where its header {header and header.line!r} has coordinates", COLUMNS)
+    return Layout(dialect, first, width, words, at, int(before[-1][0]) if before else None)
 
 
-def _numbers(line: bytes, dialect: Dialect) -> list[float] | None:
-    """The row of numbers, or None if it is none."""
+def _is_number(word: bytes) -> bool:
     try:
-        return [float(word) for word in dialect.plain(line).split()] or None
+        number_of(word)
     except ValueError:
-        return None
+        return False
+    return True
+
+
+def _value(word: bytes) -> float:
+    return number_of(word) if _is_number(word) else float("nan")
+
+
+def _numbers_in(line: bytes) -> int:
+    """How many numbers, or words for missing ones, are in a line, whatever stands between them."""
+    missing = sum(word.lower() in MISSING for word in re.split(rb"[\s,;\"]+", line))
+    return len(NUMBER.findall(line)) + missing
 
 
 def _dialect(lines: list[bytes]) -> Dialect:
-    """A comma between blanks is a decimal one: `1,5 2,5 3`, but `1.5, 2.5, 3` and `1.5,2.5,3`."""
-    rows = [line.split() for line in lines if ROW.match(line)]
-    commas = [words for words in rows if any(b"," in word for word in words)]
-    if any(b";" in word for words in rows for word in words):
+    """A comma between blanks or in quotes is a decimal one: `1,5 2,5 3`, `"1,5","2,5"`, but `1.5, 2.5, 3`."""
+    rows = [line for line in lines if _numbers_in(line) >= 3 and not line.lstrip().startswith(COMMENTS)]
+    if any(re.search(rb"\"[-+]?\d+,\d+\"", line) for line in rows):
+        mark = next((m for m in (b";", b"\t") if any(m in line for line in rows)), b",")
+        return Dialect(mark, quoted_comma=True)
+    split = [line.split() for line in rows]
+    commas = [words for words in split if any(b"," in word for word in words)]
+    if any(b";" in line for line in rows):
         return Dialect(b";", decimal_comma=bool(commas))
-    if commas and all(len(w) >= 3 and all(re.fullmatch(rb"[^,]*,?[^,]+", word) for word in w) for w in commas):
+    plain = all(len(w) >= 3 and all(re.fullmatch(rb"[^,]*,?[^,]+", word) for word in w) for w in commas)
+    if rows and all(b"\t" in line for line in rows):
+        tabs, blanks = {line.count(b"\t") + 1 for line in rows}, {len(words) for words in split}
+        if len(tabs) == 1 and tabs != blanks and min(tabs) >= 3:  # names with blanks in them, or empty cells
+            return Dialect(b"\t", decimal_comma=bool(commas) and plain)
+    if commas and plain:
         return Dialect(decimal_comma=True)
     return Dialect(b"," if commas else b"")
 
 
-def _named(header: list[bytes], width: int) -> dict[str, int] | None:
-    """Columns by the last header line that names as many as there are, x, y and z among them; else None."""
-    for line in reversed(header):
-        words = re.split(r"[\s,;]+", re.sub(r"[\"'/#]", " ", line.decode("latin-1")).strip().lower())
-        at = {name: k for name, known in NAMES.items() for k, word in enumerate(words) if word in known}
-        if len(words) == width and {"x", "y", "z"} <= at.keys():
-            return at
-    return None
+def _header(
+    path: Path, lines: list[bytes], width: int, dialect: Dialect, said: str | None
+) -> tuple[Header | None, str]:
+    """What names the columns: the user, or the last line above the rows that does; and a line of units under it.
+
+    Raises ReadError, with the line, if one that is no comment, or a comment that names coordinates, is not understood.
+    """
+    if said is not None:
+        try:
+            header = names_of(said)
+        except NotUnderstoodError as error:
+            raise ReadError(path, f"--columns {said}: {error}", COLUMNS) from None
+        if len(header.kinds) != width:
+            wrong = f"--columns {said} names {len(header.kinds)} columns where there are {width}"
+            raise ReadError(path, wrong, COLUMNS)
+        return header, ""
+    units = ""
+    for raw in reversed(lines):
+        line = raw.decode("utf-8", errors="replace")
+        if "\ufffd" in line:
+            line = raw.decode("latin-1")
+        if not line.strip(" \t\r#/;") or line.strip().isdigit():
+            continue
+        if is_units(line):
+            units = units or line
+            continue
+        try:
+            header_ = understood(line, width, dialect.delimiter.decode())
+        except NotUnderstoodError as error:
+            way_out = "transform the scan into metres" if "degrees" in str(error) else COLUMNS
+            raise ReadError(path, f"its header {line.strip()[:80]!r} is not understood: {error}", way_out) from None
+        if header_ is not None:
+            return header_, units
+        if not raw.lstrip().startswith(COMMENTS):
+            raise ReadError(path, f"its line {line.strip()[:80]!r} is no header that is understood", COLUMNS)
+    return None, units
 
 
-def _guessed(table: NDArray[np.float64]) -> dict[str, int]:
-    """Columns by their place and what the first rows hold. PTS has intensity before the colour, others after it."""
-    at = {"x": 0, "y": 1, "z": 2}
-    left = [c for c in range(3, table.shape[1]) if not np.isnan(table[:, c]).all()]
-    for k in reversed(left[:-2]):
-        if {k + 1, k + 2} <= set(left) and _are_normals(table[:, k : k + 3]):
-            at |= {"nx": k, "ny": k + 1, "nz": k + 2}
-            left = [c for c in left if not k <= c < k + 3]
-            break
-    starts = (1, 0) if len(left) > 3 else (0,)
-    color = next((left[s : s + 3] for s in starts if len(left) >= 3 and _are_colors(table[:, left[s : s + 3]])), [])
-    at |= dict(zip("rgb", color, strict=False))
-    rest = [c for c in left if c not in color]
-    return at | ({"intensity": rest[0]} if rest else {})
+def _tell_unit(facts: Facts, lines: list[bytes], header: Header | None, unit_line: str) -> None:
+    """Tell the unit that the header states, or a line above the rows."""
+    said = dict(header.units) if header else {}
+    if header and unit_line:
+        words = [word.strip("[]()") for word in re.split(r"[\s,;]+", unit_line.strip().lstrip("#/;%!"))]
+        if len(words) == len(header.kinds):
+            said |= {a: unit for a in "xyz" if (unit := unit_named(words[header.at[a]])) is not None}
+    for line in lines:
+        facts.listen(line.decode("latin-1"))
+    flat, height = said.get("x") or said.get("y"), said.get("z")
+    if flat is not None or height is not None:
+        facts.unit = UNITS[flat or height or "m"]
+        facts.height_unit = UNITS[height or flat or "m"]
+        facts.stated_by = "its header"
 
 
-def _are_normals(columns: NDArray[np.float64]) -> bool:
-    return bool(np.allclose(np.linalg.norm(columns, axis=1), 1, atol=0.01))
+def _named(
+    path: Path, facts: Facts, header: Header, table: NDArray[np.float64], words: frozenset[int], said: str | None
+) -> dict[str, int]:
+    """Columns by a header; tells how it was understood where it is no plain x y z."""
+    at = header.at
+    if said is not None:
+        facts.tell("columns", f"columns: {header.order}, as asked")
+        return at
+    if swapped(at) and np.nanmax(np.abs(table[:, [at["x"], at["y"]]])) > FAR and re.search(r"\by\b", header.line, re.I):
+        why = "has y before x, which may point north; as east it would mirror the scan"
+        wrong = f"its header {header.line[:80]!r} {why}"
+        raise ReadError(path, wrong, COLUMNS)
+    if [word.casefold() for word in re.findall(r"\w+", header.line)] != list(header.kinds):
+        facts.tell("columns", f"columns: {header.order}, by the header {header.line[:80]!r}")
+    return {name: k for name, k in at.items() if k not in words or name in "xyz"}
 
 
-def _are_colors(columns: NDArray[np.float64]) -> bool:
-    whole = np.array_equal(columns, np.round(columns))
-    return bool(columns.min() >= 0 and (whole or columns.max() <= 1))
+def _placed(path: Path, facts: Facts, table: NDArray[np.float64], words: frozenset[int]) -> dict[str, int]:
+    """Columns by their place, where no header names them; tells how they are taken."""
+    try:
+        kinds = guessed(table, words, pts=path.suffix.lower() == ".pts")
+    except AmbiguousError as error:
+        raise ReadError(path, f"has no header, and {error}", COLUMNS) from None
+    header = Header(kinds, {}, "")
+    facts.tell(
+        "columns", f"columns: {header.order}, by their place, for no header names them; --columns says otherwise"
+    )
+    return header.at

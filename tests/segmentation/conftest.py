@@ -30,7 +30,7 @@ def attributes(n: int = N, seed: int = 1) -> dict[str, Any]:
 def sample(folder: Path, suffix: str, n: int = N) -> Path:
     """A good file of any format that can be written or made up by hand."""
     path = folder / f"scan{suffix}"
-    if suffix in (".pcd", ".pts", ".csv"):
+    if suffix in (".pcd", ".pts", ".ptx", ".csv"):
         MAKERS[suffix](path, points(n))
     else:
         write_cloud(path, points(n), **attributes(n))
@@ -39,6 +39,11 @@ def sample(folder: Path, suffix: str, n: int = N) -> Path:
 
 def make_pts(path: Path, xyz: np.ndarray) -> None:
     path.write_text(f"{len(xyz)}\n" + "".join(f"{x:.4f} {y:.4f} {z:.4f} 7 1 2 3\n" for x, y, z in xyz))
+
+
+def make_ptx(path: Path, xyz: np.ndarray) -> None:
+    matrix = "\n".join(" ".join(f"{v:g}" for v in row) for row in [[0, 0, 0], *np.eye(3), *np.eye(4)])
+    path.write_text(f"{len(xyz)}\n1\n{matrix}\n" + "".join(f"{x:.4f} {y:.4f} {z:.4f} 0.5\n" for x, y, z in xyz))
 
 
 def make_csv(path: Path, xyz: np.ndarray) -> None:
@@ -53,7 +58,7 @@ def make_pcd(path: Path, xyz: np.ndarray) -> None:
     path.write_bytes(header.encode() + xyz.astype("<f4").tobytes())
 
 
-MAKERS = {".pts": make_pts, ".csv": make_csv, ".pcd": make_pcd}
+MAKERS = {".pts": make_pts, ".ptx": make_ptx, ".csv": make_csv, ".pcd": make_pcd}
 
 
 @pytest.fixture(scope="session")

@@ -199,7 +199,7 @@ def test_a_las_scan_keeps_all_it_has(tmp_path, suffix, version, fmt, monkeypatch
     monkeypatch.setattr("segmentation.io.las.SIZE", 999)
     path = tmp_path / f"scan{suffix}"
     scan = full_las(path, version=version, fmt=fmt)
-    cloud, extra = read(path), labels(len(scan))
+    cloud, extra = read(path, unit="m", keep_marked=True), labels(len(scan))
     write_labelled(path, tmp_path / "segments.laz", cloud, extra)
     found = laspy.read(tmp_path / "segments.laz")
     for name in scan.points.array.dtype.names:

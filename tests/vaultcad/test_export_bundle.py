@@ -10,7 +10,7 @@ from vaultcad.errors import ExportError
 from vaultcad.export import bundle
 from vaultcad.export.bundle import write_all
 
-NAMES = {"report.json", "report.html", "model.step", "model.ifc", "model.glb", "segments.laz"}
+NAMES = {"report.json", "report.html", "model.step", "model.ifc", "model.glb", "model.wld", "segments.laz"}
 
 
 def segments(path):

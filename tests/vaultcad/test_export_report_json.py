@@ -18,7 +18,13 @@ def test_the_file_holds_the_contract(name, make_model, tmp_path):
     write_report_json(model, tmp_path / "report.json")
     told = json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
     assert told["schema"] == 1
-    assert told["scan"] == {"path": f"scan of a {name}.laz", "points": 123456, "bounds": [[0, 0, 0], [9, 8, 7]]}
+    assert told["scan"] == {
+        "path": f"scan of a {name}.laz",
+        "points": 123456,
+        "bounds": [[0, 0, 0], [9, 8, 7]],
+        "unit": {"name": "m", "metres": 1.0},
+        "crs": None,
+    }
     (vault,) = told["vaults"]
     (fitted,) = model.vaults
     assert vault["family"] == name

@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
 
-from segmentation.errors import ReadError
+from segmentation.errors import ReadError, WriteError
 from vaultcad.cli.errors import InputError
 from vaultcad.errors import VaultcadError
 
@@ -104,6 +104,6 @@ def _usage(error: typer.TyperException) -> str:
 
 
 def _os_error(error: OSError) -> str:
-    if error.filename is None:
+    if error.filename is None or isinstance(error, WriteError):
         return str(error)
     return f"{error.filename}: {error.strerror}; check the path, its permissions and the space left"

@@ -15,7 +15,9 @@ from vaultcad.cli.ahead import SOLIDS, importing
 from vaultcad.cli.errors import InputError, refusing
 from vaultcad.cli.options import Axis, Bounds, Seed, number_info, single
 from vaultcad.cli.outputs import check_folder
+from vaultcad.cli.reading import Columns, KeepMarked, Origin, Unit, doubts, read_scan, show_notes
 from vaultcad.cli.status import status
+from vaultcad.errors import NoVaultError
 
 STAGES = ("reading", "thinning", "finding", "labelling", "measuring", "writing")
 Thickness = Annotated[float, number_info("thickness", Bounds(0.01, 5, "m", "of the masonry, which no scan shows"))]
@@ -27,7 +29,7 @@ def command() -> Any:
 
 
 def fit(
-    scan: Annotated[Path, typer.Argument(help="Scan in metres: E57, LAS, LAZ, PLY, PCD, XYZ, PTS, CSV.")],
+    scan: Annotated[Path, typer.Argument(help="Scan: E57, LAS, LAZ, PLY, PCD, PTX, PTS, XYZ, CSV.")],
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the result; an earlier result is replaced.")],
     family: Annotated[
         str, typer.Option(metavar="NAME", help="auto, or what the vault is, in any language: see vaultcad families.")
@@ -35,6 +37,10 @@ def fit(
     up: Annotated[
         Literal[Axis, "auto"], typer.Option(help="The axis that is up in the scan; auto tries all, and takes longer.")
     ] = "z",
+    unit: Unit = None,
+    columns: Columns = None,
+    origin: Origin = None,
+    keep_marked: KeepMarked = False,
     seed: Seed = 0,
     thickness: Thickness = 0.15,
     fix: Annotated[
@@ -64,24 +70,35 @@ def fit(
     with refusing():
         demand(families, fixed, freed)
 
-    from segmentation.io import read, write_labelled
+    from segmentation.io import write_labelled
 
     with status(STAGES) as bar:
         bar.stage("reading")
-        cloud = read(scan, up="z" if up == "auto" else up, progress=importing(SOLIDS, bar.share))
+        cloud = read_scan(
+            scan,
+            up="z" if up == "auto" else up,
+            unit=unit,
+            columns=columns,
+            origin=origin,
+            keep_marked=keep_marked,
+            progress=importing(SOLIDS, bar.share),
+        )
 
         from vaultcad.export.bundle import write_all
         from vaultcad.pipeline import Settings, fit_scan
 
-        if up == "auto":
-            import numpy as np
-
-            from vaultcad.upright import stand_up
-
-            bar.stage("standing up")
-            cloud = stand_up(cloud, np.random.default_rng(seed), families=families)
         settings = Settings(families, seed, thickness, fixed, freed)
-        result = fit_scan(cloud, settings, progress=bar.stage)
+        try:
+            if up == "auto":
+                import numpy as np
+
+                from vaultcad.upright import stand_up
+
+                bar.stage("standing up")
+                cloud = stand_up(cloud, np.random.default_rng(seed), families=families)
+            result = fit_scan(cloud, settings, progress=bar.stage)
+        except NoVaultError as error:
+            raise NoVaultError("; ".join([str(error), *doubts(cloud.notes)])) from error
         bar.stage("writing")
         labels = result.labels
         extra: dict[str, NDArray[Any]] = {
@@ -101,6 +118,7 @@ def fit(
             correlations=correlations,
             progress=lambda name: bar.stage("writing", name),
         )
+    show_notes(result.model.notes)
     if json:
         typer.echo((out / "report.json").read_text(encoding="utf-8").rstrip())
     else:

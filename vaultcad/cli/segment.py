@@ -14,6 +14,7 @@ from segmentation.settings import RANGES, Settings
 from vaultcad.cli.errors import InputError, refusing
 from vaultcad.cli.options import Axis, Option, Seed, number, single, with_options
 from vaultcad.cli.outputs import check_file
+from vaultcad.cli.reading import Columns, KeepMarked, Unit, read_scan, show_notes
 from vaultcad.cli.status import status
 from vaultcad.cli.tables import show_table
 
@@ -31,7 +32,7 @@ def command() -> Any:
 
 
 def segment(
-    scan: Annotated[Path, typer.Argument(help="Scan: E57, LAS, LAZ, PLY, PCD, XYZ, PTS, CSV.")],
+    scan: Annotated[Path, typer.Argument(help="Scan: E57, LAS, LAZ, PLY, PCD, PTX, PTS, XYZ, CSV.")],
     out: Annotated[Path, typer.Option("--out", "-o", help="File to write; .laz and .las keep all that the scan has.")],
     declared: Mapping[str, Any],
     preset: Annotated[
@@ -39,6 +40,9 @@ def segment(
         typer.Option(metavar="NAME", help="Parameters of the paper: groin-ideal, groin-real, and so for each family."),
     ] = None,
     up: Annotated[Axis, typer.Option(help="The axis that is up in the scan.")] = "z",
+    unit: Unit = None,
+    columns: Columns = None,
+    keep_marked: KeepMarked = False,
     seed: Seed = 0,
 ) -> None:
     """Label the planes, spheres and cylinders of a scan; cones and tori too, if asked for.
@@ -53,13 +57,16 @@ def segment(
 
     import numpy as np
 
-    from segmentation.io import read, write_labelled
+    from segmentation.io import write_labelled
+    from segmentation.io.labelled import spread_all
     from segmentation.io.write import write
     from segmentation.ransac import detect
 
     with status(STAGES) as bar:
         bar.stage("reading")
-        cloud = read(scan, up=up, progress=bar.share)
+        cloud = read_scan(
+            scan, up=up, unit=unit, columns=columns, origin=None, keep_marked=keep_marked, progress=bar.share
+        )
         found = detect(
             cloud.xyz,
             cloud.normals,
@@ -72,7 +79,8 @@ def segment(
         if out.suffix.lower() in (".las", ".laz"):
             write_labelled(scan, out, cloud, extra, progress=bar.share)
         else:
-            write(out, cloud, extra)
+            write(out, cloud.whole(), spread_all(cloud, extra))
+    show_notes(cloud.notes)
     rows = [
         (
             str(s.id),

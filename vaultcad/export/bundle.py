@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from segmentation.io.whole import writing
 from vaultcad.errors import ExportError
 from vaultcad.export.buildable import buildable
 from vaultcad.export.glb import write_glb
@@ -22,6 +23,7 @@ from vaultcad.export.report_html import write_report_html
 from vaultcad.export.report_json import SCHEMA, write_report_json
 from vaultcad.export.review import write_review
 from vaultcad.export.step import write_step
+from vaultcad.export.world import write_world
 from vaultcad.model import Model
 
 REPORT = "report.json"
@@ -32,6 +34,7 @@ WRITERS: dict[str, Callable[[Model, Path], None]] = {
     "model.step": write_step,
     "model.ifc": write_ifc,
     "model.glb": write_glb,
+    "model.wld": write_world,
     PAGE: write_report_html,
     REPORT: write_report_json,
 }
@@ -69,7 +72,7 @@ def write_all(
         ValueError: a review without the points that it shows.
         ExportError: `out` is something else than a new or empty folder or an earlier result, or cannot be written; or
             a vault cannot be built.
-        OSError: the disk is full, or a file cannot be written for another reason of the system's.
+        WriteError: the disk is full, or a file cannot be written for another reason of the system's.
     """
     writers = dict(WRITERS)
     writers[PAGE] = partial(write_report_html, points=points, component=component, deviation=deviation, vault=vault)
@@ -85,10 +88,12 @@ def write_all(
         solids = buildable(model)
         for name, write in writers.items():
             progress(name)
-            # The report tells what was fitted; what is drawn has to be built.
-            write(model if name == REPORT else solids, part / name)
+            with writing(out / name):
+                # The report tells what was fitted; what is drawn has to be built.
+                write(model if name == REPORT else solids, part / name)
         progress(SEGMENTS)
-        labelled.result()
+        with writing(out / SEGMENTS):
+            labelled.result()
         _into_place(part, out)
 
 

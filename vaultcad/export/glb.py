@@ -1,4 +1,4 @@
-"""GLB (binary glTF 2): a named, coloured node a component and one for the rest; metres, relative to the origin."""
+"""GLB (binary glTF 2): a named, coloured node a component, one for the rest; metres from the origin in its extras."""
 
 from __future__ import annotations
 
@@ -29,6 +29,8 @@ def write_glb(model: Model, path: Path) -> None:
         prefix = "" if len(model.vaults) == 1 else f"{k}/"
         for name, part in _parts(fitted, model.thickness):
             scene.add_geometry(part, node_name=prefix + name, geom_name=prefix + name)
+    scene.metadata["origin"] = model.origin.tolist()  # becomes the extras of the scene
+    scene.metadata["crs"] = None if model.crs is None else model.crs.title
     path.write_bytes(scene.export(file_type="glb", include_normals=True))
 
 

@@ -8,6 +8,8 @@ by too many programs, and STEP carries it.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from errno import ENOSPC
+from os import strerror
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +25,7 @@ from vaultcad.model import Component, Deviation, FittedVault, Model
 # IFC's PAVILION_ROOF is a hipped roof, no cloister vault: what is neither barrel nor dome is user defined.
 ROOF_TYPES: dict[type[Vault], str] = {Barrel: "BARREL_ROOF", Lunette: "BARREL_ROOF", Dome: "DOME_ROOF"}
 STATUS = ("NEW", "EXISTING", "DEMOLISH", "TEMPORARY", "OTHER", "NOTKNOWN", "UNSET")  # PEnum_ElementStatus
+END = b"END-ISO-10303-21;"  # the last line of a whole file
 NO_TIME = "1970-01-01T00:00:00"  # the same model gives the same bytes
 
 
@@ -40,7 +43,7 @@ def write_ifc(model: Model, path: Path) -> None:
         RepresentationContexts=(author.context,),
         UnitsInContext=author.units,
     )
-    if model.origin.any():
+    if model.origin.any() or model.crs is not None:
         _map(author, model)
     storey = _spaces(author, project)
     roofs = [_roof(author, fitted, f"vault {k}", storey, model) for k, fitted in enumerate(model.vaults, 1)]
@@ -48,6 +51,9 @@ def write_ifc(model: Model, path: Path) -> None:
         "IfcRelContainedInSpatialStructure", "in storey", ("RelatingStructure", storey), ("RelatedElements", roofs)
     )
     author.file.write(str(path))
+    # on a full disk it stops in the middle without a word
+    if not path.read_bytes().rstrip().endswith(END):
+        raise OSError(ENOSPC, strerror(ENOSPC), str(path))
 
 
 def _header(author: Author, model: Model) -> None:
@@ -63,10 +69,11 @@ def _program(model: Model) -> str:
 
 
 def _map(author: Author, model: Model) -> None:
-    easting, northing, height = (float(v) for v in model.origin)
-    grid = author.make(
-        "IfcProjectedCRS", Name="unknown", Description="the scan's own coordinates", MapUnit=author.metre
-    )
+    easting, northing, height = (float(v) / model.unit for v in model.origin)
+    named = {"Name": "unknown", "Description": "the scan's own coordinates"}
+    if model.crs is not None:
+        named = {"Name": model.crs.title, "Description": model.crs.name}
+    grid = author.make("IfcProjectedCRS", **named, MapUnit=author.length(model.unit))
     author.make(
         "IfcMapConversion",
         SourceCRS=author.context,
@@ -76,7 +83,7 @@ def _map(author: Author, model: Model) -> None:
         OrthogonalHeight=height,
         XAxisAbscissa=1.0,
         XAxisOrdinate=0.0,
-        Scale=1.0,
+        Scale=1 / model.unit,
     )
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from segmentation.units import NAMES, unit_of
 from vaultcad.export.palette import Colour
 
 Entity = Any  # ifcopenshell has no types
@@ -142,6 +143,16 @@ class Author:
         made = [self.make("IfcSIUnit", UnitType=kind, Name=name) for kind, name in named]
         self.metre = made[0]
         self.units = self.make("IfcUnitAssignment", Units=made)
+
+    def length(self, metres: float) -> Entity:
+        """The unit that is so many metres long."""
+        if metres == 1:
+            return self.metre
+        exponents = self.make("IfcDimensionalExponents", 1, 0, 0, 0, 0, 0, 0)
+        factor = self.make("IfcMeasureWithUnit", self.make("IfcReal", float(metres)), self.metre)
+        unit = unit_of(metres)
+        name = NAMES[unit] if unit else f"{metres:.9g} m"
+        return self.make("IfcConversionBasedUnit", exponents, "LENGTHUNIT", name, factor)
 
     def _contexts(self) -> None:
         self.context = self.make(

@@ -54,7 +54,7 @@ def write_report_html(
         f'<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{title}</title><style>{STYLE}</style>"
     )
-    body = "".join(parts) + _files() + _glossary(model) + _origin(model)
+    body = "".join(parts) + _notes(model) + _files() + _glossary(model) + _origin(model)
     path.write_text(f'<!doctype html><html lang="en"><head>{head}</head><body>{body}</body></html>\n', encoding="utf-8")
 
 
@@ -184,6 +184,11 @@ def _glossary(model: Model) -> str:
         f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>" for where, term, text in GLOSSARY if where in words
     )
     return f"<section><h2>Terms</h2><dl>{items}</dl></section>"
+
+
+def _notes(model: Model) -> str:
+    items = "".join(f"<li>{escape(note.text)}</li>" for note in model.notes)
+    return f"<section><h2>Notes on the scan</h2><ul>{items}</ul></section>" if items else ""
 
 
 def _origin(model: Model) -> str:

@@ -1,4 +1,7 @@
-"""report.json: all numbers of a model, in the scan's own coordinates, under stable keys (schema 1)."""
+"""report.json: all numbers of a model under stable keys (schema 1), in the scan's own coordinates turned into metres.
+
+Only the bounds of the scan are in its own unit.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Profile, Vault
+from segmentation.units import unit_of
 from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedVault, Model
 
 SCHEMA = 1
@@ -27,11 +31,18 @@ def report(model: Model, *, correlations: bool = False) -> dict[str, Any]:
     """
     return {
         "schema": SCHEMA,
-        "scan": {"path": str(model.scan), "points": int(model.points), "bounds": [_row(row) for row in model.bounds]},
+        "scan": {
+            "path": str(model.scan),
+            "points": int(model.points),
+            "bounds": [_row(row) for row in model.bounds],
+            "unit": {"name": unit_of(model.unit), "metres": model.unit},
+            "crs": None if model.crs is None else {"name": model.crs.name, "epsg": model.crs.epsg},
+        },
         "origin": _row(model.origin),
         "settings": plain(model.settings),
         "versions": dict(sorted(model.versions.items())),
         "thickness": _number(model.thickness),
+        "notes": [note._asdict() for note in model.notes],
         "vaults": [_vault(fitted, model) | (_correlations(fitted) if correlations else {}) for fitted in model.vaults],
         "seconds": {stage: round(t, 3) for stage, t in model.seconds.items()},
     }

@@ -42,6 +42,7 @@ FILES: tuple[tuple[str, str], ...] = (
     ("model.step", "exact solids for CAD: FreeCAD, Rhino, CATIA"),
     ("model.ifc", "IFC4 for BIM; in Revit link it"),
     ("model.glb", "coloured mesh for any 3D viewer"),
+    ("model.wld", "world file: where the coordinates of model.step lie in those of the scan"),
     ("segments.laz", "every point with its component and its deviation: CloudCompare, ReCap"),
     ("report.json", "all figures of this page for programs"),
 )

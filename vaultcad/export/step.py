@@ -61,7 +61,7 @@ def write_step(model: Model, path: Path) -> None:
     if not written:
         raise ExportError(f"{path.name} could not be written as STEP; is there space left in {path.parent}?")
     text = path.read_text(encoding="utf-8")
-    path.write_text(_tidied(text, model.versions.get("vaultcad", "")), encoding="ascii", newline="\n")
+    path.write_text(_tidied(text, model.place, model.versions.get("vaultcad", "")), encoding="ascii", newline="\n")
 
 
 def _part(shapes: XCAFDoc_ShapeTool, main: TDF_Label, fitted: FittedVault, thickness: float, name: str) -> TDF_Label:
@@ -140,14 +140,16 @@ def _quiet() -> Iterator[None]:
             printer.SetTraceLevel(level)
 
 
-def _tidied(text: str, version: str) -> str:
-    r"""Fixed values for the time and for what the translator counts from the program's start; names in ASCII.
+def _tidied(text: str, place: str, version: str) -> str:
+    r"""In the header the place; fixed values for time and for what the translator counts; names in ASCII.
 
-    Strings of a STEP file are ASCII, with other characters as \X2\ and UTF-16 (ISO 10303-21, 6.4.3); the translator
-    writes UTF-8 instead.
+    The translator counts from the program's start. Strings of a STEP file are ASCII, with other characters as \X2\ and
+    UTF-16 (ISO 10303-21, 6.4.3); the translator writes UTF-8 instead.
     """
     header = f"FILE_NAME('model.step','{NO_TIME}',(''),(''),'vaultcad {version}','vaultcad {version}','');"
     text = re.sub(r"FILE_NAME\(.*?\);", header, text, count=1, flags=re.DOTALL)
+    told = f"FILE_DESCRIPTION(('coordinates relative to {place.replace(chr(39), 2 * chr(39))}'),'2;1');"
+    text = re.sub(r"FILE_DESCRIPTION\(.*?\);", lambda _: told, text, count=1, flags=re.DOTALL)
     count = itertools.count(1)
     text = re.sub(r"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\()'\d+'", lambda found: f"{found[1]}'{next(count)}'", text)
     return re.sub(r"[^\x00-\x7f]+", lambda found: f"\\X2\\{found[0].encode('utf-16-be').hex().upper()}\\X0\\", text)

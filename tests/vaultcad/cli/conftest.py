@@ -52,6 +52,12 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> 
 
 
 @pytest.fixture(scope="session")
+def assumed() -> str:
+    """What is said of a scan that states no unit."""
+    return "vaultcad: unit: metre, which is assumed, for the file states none; --unit says otherwise\n"
+
+
+@pytest.fixture(scope="session")
 def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A small scan of a room under a sail vault, with its truth beside it."""
     path = tmp_path_factory.mktemp("room") / "room.laz"

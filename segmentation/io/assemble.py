@@ -1,0 +1,213 @@
+"""From the runs of points that a reader yields to one Cloud.
+
+What is no point is dropped; what is marked or far from all else is set aside; up is Z, lengths are metres, coordinates
+are local, colours and intensities have one range.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from segmentation.cloud import Cloud, Floats, Up, turn
+from segmentation.errors import ReadError
+from segmentation.io.chunk import Chunk, Mask, Progress
+from segmentation.io.facts import Facts
+from segmentation.io.place import origin_of
+from segmentation.io.precision import check_precision
+from segmentation.io.ranges import color16, intensity16
+from segmentation.io.scale import scale_of
+from segmentation.io.specks import far_specks
+from segmentation.notes import count
+
+FLOAT32_REACH = 800.0
+"""Up to here [m] float32 rounds by 0.03 mm at most."""
+MINIMUM = 4
+"""With fewer points there is neither a scan nor any shape."""
+
+
+def assemble(
+    chunks: Iterable[Chunk],
+    path: Path,
+    facts: Facts,
+    *,
+    up: Up,
+    unit: str | None = None,
+    origin: NDArray[np.float64] | None = None,
+    keep_marked: bool = False,
+    progress: Progress | None = None,
+) -> Cloud:
+    """One Cloud of all chunks in their order; see `segmentation.io.read` for the keywords.
+
+    Raises ReadError if fewer than MINIMUM points are valid and unmarked, or the coordinates can be no scan's.
+    """
+    parts: list[Chunk] = []
+    points: list[Mask] = []  # which points of the file are points
+    taken: list[Mask] = []  # which of those take part
+    marked: Counter[str] = Counter()
+    for chunk in chunks:
+        mask, part, used = _sorted(chunk, marked, keep_marked)
+        points.append(mask)
+        taken.append(used)
+        parts.append(part)
+        if progress is not None:
+            progress(chunk.done)
+    n = sum(int(used.sum()) for used in taken)
+    _check_count(path, total=sum(map(len, points)), valid=sum(len(p.xyz) for p in parts), unmarked=n)
+
+    low, high, specks = far_specks([p.xyz for p in parts], taken)
+    if specks is not None:
+        taken = [used & ~speck for used, speck in zip(taken, specks, strict=True)]
+        n = sum(int(used.sum()) for used in taken)
+    scale = scale_of(path, facts, [p.xyz for p in parts], taken, asked=unit, up=up)
+    if specks is not None:
+        _tell_specks(facts, parts, specks, low, high, scale)
+    check_precision(path, facts, [p.xyz for p in parts], taken, scale)
+    corners = turn(np.stack([low, high]) * scale, up)
+    where = origin_of(path, facts, np.sort(corners, axis=0), asked=origin)
+    _tell_marked(facts, marked, keep_marked)
+    _tell_dropped(facts, sum(map(len, points)) - sum(len(p.xyz) for p in parts))
+
+    places = np.concatenate(points)
+    if n == len(places):
+        return _cloud(parts, path, facts, up=up, scale=scale, origin=where, kept=None, dropped=0)
+    mine, others = places.copy(), places.copy()
+    mine[places], others[places] = (used := np.concatenate(taken)), ~used
+    dropped = len(places) - int(places.sum())
+    aside = None
+    if n < len(used):
+        rest = [p.only(~used) for p, used in zip(parts, taken, strict=True)]
+        aside = _cloud(rest, path, Facts(), up=up, scale=scale, origin=where, kept=others, dropped=0)
+        parts = [p.only(used) for p, used in zip(parts, taken, strict=True)]
+    return _cloud(parts, path, facts, up=up, scale=scale, origin=where, kept=mine, dropped=dropped, aside=aside)
+
+
+def _sorted(chunk: Chunk, marked: Counter[str], keep_marked: bool) -> tuple[Mask, Chunk, Mask]:
+    """Which points of a chunk are points, those points, and which of them take part; counts the marked ones."""
+    finite = np.isfinite(chunk.xyz)
+    mask = np.ones(len(finite), np.bool_) if finite.all() else np.logical_and.reduce(finite, axis=1)
+    if chunk.valid is not None:
+        mask &= chunk.valid
+    used = np.ones(len(mask), np.bool_)
+    for name, those in chunk.marks.items():
+        if those.any():
+            marked[name] += int((those & used & mask).sum())
+            used &= ~those
+    part = chunk.only(mask)
+    return mask, part, np.ones(len(part.xyz), np.bool_) if keep_marked else used[mask]
+
+
+def _cloud(
+    parts: list[Chunk],
+    path: Path,
+    facts: Facts,
+    *,
+    up: Up,
+    scale: NDArray[np.float64],
+    origin: NDArray[np.float64],
+    kept: Mask | None,
+    dropped: int,
+    aside: Cloud | None = None,
+) -> Cloud:
+    """The Cloud of chunks without a point that is none. Empties `parts`."""
+    lengths = [len(p.xyz) for p in parts]
+    normals = _joined([p.normals for p in parts], lengths)
+    color = _joined([p.color for p in parts], lengths)
+    intensity = _joined([p.intensity for p in parts], lengths)
+    classification = _joined([p.classification for p in parts], lengths)
+    stations = np.concatenate([p.stations for p in parts if p.stations is not None] or [np.zeros((0, 3))])
+    ends = [np.stack([p.xyz.min(axis=0), p.xyz.max(axis=0)]) for p in parts if len(p.xyz)]
+    corners = turn(np.concatenate(ends).astype(np.float64) * scale, up) - origin
+    reach = float(np.abs(corners).max())
+    return Cloud(
+        xyz=_shifted(parts, scale, up, origin, np.float32 if reach < FLOAT32_REACH else np.float64),
+        origin=origin,
+        normals=None if normals is None else turn(normals.astype(np.float32, copy=False), up),
+        color=None if color is None else color16(color),
+        intensity=None if intensity is None else intensity16(intensity),
+        classification=None if classification is None else classification.astype(np.uint8, copy=False),
+        stations=turn(stations * scale, up) - origin,
+        source=path,
+        up=up,
+        dropped=dropped,
+        kept=kept,
+        aside=aside,
+        scale=scale,
+        crs=facts.crs,
+        notes=tuple(facts.notes),
+    )
+
+
+def _joined(arrays: list[Any], lengths: list[int]) -> Any:
+    """The arrays in one, zeros where a part has none; None if no part has any."""
+    first = next((a for a in arrays if a is not None), None)
+    if first is None:
+        return None
+    zeros = (np.zeros((n, *first.shape[1:]), first.dtype) for n in lengths)
+    return np.concatenate([z if a is None else a for a, z in zip(arrays, zeros, strict=True)])
+
+
+def _shifted(
+    parts: list[Chunk],
+    scale: NDArray[np.float64],
+    up: Up,
+    origin: NDArray[np.float64],
+    dtype: type[np.floating[Any]],
+) -> Floats:
+    """Coordinates of all parts in metres, Z up, minus origin. Empties `parts`, lest the two stand side by side."""
+    xyz = np.empty((sum(len(p.xyz) for p in parts), 3), dtype)
+    at = 0
+    parts.reverse()
+    while parts:
+        part = parts.pop().xyz
+        rows = part if (scale == 1).all() else part * scale
+        rows = turn(rows, up)
+        xyz[at : at + len(part)] = rows - origin if origin.any() else rows
+        at += len(part)
+    return xyz
+
+
+def _check_count(path: Path, *, total: int, valid: int, unmarked: int) -> None:
+    if total == 0:
+        raise ReadError(path, "holds no points", "export the scan again with its points")
+    if valid == 0:
+        raise ReadError(path, f"all {total} points are NaN, infinite or marked invalid", "export the scan again")
+    if unmarked < MINIMUM <= valid:
+        wrong = f"all but {unmarked} of its {valid:,} points are marked as noise, withheld or invalid"
+        raise ReadError(path, wrong, "say --keep-marked to use them all the same")
+    if valid < MINIMUM:
+        raise ReadError(path, f"holds {valid} valid point(s), needed are {MINIMUM}", "give a whole scan")
+
+
+def _tell_marked(facts: Facts, marked: Counter[str], kept: bool) -> None:
+    told = ", ".join(f"{n:,} {name}" for name, n in marked.items() if n)
+    if told and kept:
+        facts.tell("marked", f"points that the file marks are used, as asked: {told}")
+    elif told:
+        facts.tell("marked", f"left out as the file marks them: {told}; --keep-marked uses them")
+
+
+def _tell_dropped(facts: Facts, dropped: int) -> None:
+    if dropped:
+        facts.tell("dropped", f"{count(dropped, 'point')} of the file that are NaN, infinite or empty beams: dropped")
+
+
+def _tell_specks(
+    facts: Facts,
+    parts: Sequence[Chunk],
+    specks: Sequence[Mask],
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    scale: NDArray[np.float64],
+) -> None:
+    """Say how many points were set aside, and how far they are from the box of all others."""
+    far = 0.0
+    for part, speck in zip(parts, specks, strict=True):
+        if speck.any():
+            off = np.maximum(np.maximum(low - part.xyz[speck], part.xyz[speck] - high), 0.0)
+            far = max(far, float(np.linalg.norm(off * scale, axis=1).max()))
+    number = sum(int(speck.sum()) for speck in specks)
+    facts.tell("specks", f"{count(number, 'point')} far from all others, by up to {far:,.0f} m: set aside")

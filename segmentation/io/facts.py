@@ -1,0 +1,48 @@
+"""What a reader learns of a file beside its points."""
+
+import re
+from dataclasses import dataclass, field
+
+from segmentation.crs import Crs, of_code
+from segmentation.notes import Note
+from segmentation.units import UNITS, unit_said
+
+
+@dataclass
+class Facts:
+    """Filled while a file is read, complete once its last chunk is there.
+
+    unit, height_unit: metres in a unit of the file's x and y, and of its z, as the file states them; None where it does
+    not. stated_by: where it does ("its header"). format_unit: the unit that the format prescribes, for what states
+    none. crs: the coordinate system that the file declares. notes: what was assumed or changed.
+    """
+
+    unit: float | None = None
+    height_unit: float | None = None
+    stated_by: str = ""
+    format_unit: str | None = None
+    crs: Crs | None = None
+    notes: list[Note] = field(default_factory=list)
+
+    def tell(self, code: str, text: str) -> None:
+        """Note something, once."""
+        note = Note(code, " ".join(text.split()))
+        if note not in self.notes:
+            self.notes.append(note)
+
+    def declare(self, crs: Crs | None) -> None:
+        """Take a coordinate system, and the units that it states."""
+        if crs is None:
+            return
+        self.crs, self.stated_by = crs, f"its coordinate system, {crs.title}"
+        self.unit, self.height_unit = crs.unit, crs.height_unit
+
+    def listen(self, comment: str) -> None:
+        """Take what a comment in a file's header says of its unit ("units: mm") or coordinate system ("EPSG:2056")."""
+        code = re.search(r"\bEPSG\s*[:=]+\s*(\d{4,6})\b", comment, re.IGNORECASE)
+        if code and self.crs is None:
+            self.declare(of_code(int(code[1])))
+        unit = unit_said(comment)
+        if unit is not None:
+            self.unit = self.height_unit = UNITS[unit]
+            self.stated_by = "its header"

@@ -1,0 +1,55 @@
+"""Projected coordinates kept in single precision, whose points stand on a grid of centimetres to half metres."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from segmentation.cloud import Floats
+from segmentation.errors import ReadError
+from segmentation.io.chunk import Mask
+from segmentation.io.facts import Facts
+from segmentation.io.sample import sample
+
+COARSE = 0.02
+"""m; steps from which on a scan is no use."""
+FEWEST = 100
+"""Points; fewer may all be in single precision by chance."""
+SAID = 0.002
+"""m; steps that are pointed out."""
+
+
+def check_precision(
+    path: Path, facts: Facts, parts: Sequence[Floats], taken: Sequence[Mask], scale: NDArray[np.float64]
+) -> None:
+    """See that the coordinates are finer than masonry is rough; scale: (3,) metres in the file's units.
+
+    Raises ReadError if they come in steps of `COARSE` or more.
+    """
+    points = sample(parts, taken)
+    if len(points) < FEWEST:
+        return
+    # Coordinates that single precision holds to the last bit have been through it.
+    single = (points == points.astype(np.float32)).all(axis=0)
+    largest = np.abs(points).max(axis=0)
+    steps = np.where(single, np.spacing(largest.astype(np.float32)).astype(np.float64), 0.0)
+    steps = np.minimum(steps, [_step(column) for column in points.T]) * scale
+    axis = int(np.argmax(steps))
+    if steps[axis] < SAID:
+        return
+    near, step = f"{largest[axis]:,.0f}", _length(steps[axis])
+    said = f"its coordinates are in single precision: near {near} they come in steps of {step}"
+    if steps[axis] >= COARSE:
+        raise ReadError(path, said, "export it again in double precision, or with a shift taken off the coordinates")
+    facts.tell("precision", said)
+
+
+def _step(values: NDArray[np.float64]) -> float:
+    """The least step between different values (n,); 0 if there is but one."""
+    steps = np.diff(np.unique(values))
+    return float(steps.min()) if len(steps) else 0.0
+
+
+def _length(metres: float) -> str:
+    return f"{metres:.2g} m" if metres >= 0.1 else f"{1000 * metres:.2g} mm"
