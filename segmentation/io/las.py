@@ -121,7 +121,7 @@ def _crs(reader: Any, facts: Facts) -> Crs | None:
     if directory is None:
         return None
     reals = (vlr.doubles for vlr in records if vlr.record_id == DOUBLES and hasattr(vlr, "doubles"))
-    doubles = next(reals, [])
+    doubles: list[Any] = next(reals, [])
     keys: dict[int, float] = {}
     for key in directory.geo_keys:
         if key.tiff_tag_location == 0:
