@@ -19,6 +19,7 @@ from segmentation.io.facts import Facts
 from segmentation.io.place import origin_of
 from segmentation.io.precision import check_precision
 from segmentation.io.ranges import color16, intensity16
+from segmentation.io.sample import corners_of, joined
 from segmentation.io.scale import scale_of
 from segmentation.io.specks import far_specks
 from segmentation.notes import count
@@ -47,57 +48,69 @@ def assemble(
     parts: list[Chunk] = []
     points: list[Mask] = []  # which points of the file are points
     taken: list[Mask] = []  # which of those take part
+    ends: list[NDArray[np.float64]] = []  # corners of those that do
     marked: Counter[str] = Counter()
     for chunk in chunks:
-        mask, part, used = _sorted(chunk, marked, keep_marked)
+        mask, part, used, corners = _sorted(chunk, marked, keep_marked)
         points.append(mask)
         taken.append(used)
         parts.append(part)
+        ends.append(corners)
         if progress is not None:
             progress(chunk.done)
     n = sum(int(used.sum()) for used in taken)
     _check_count(path, total=sum(map(len, points)), valid=sum(len(p.xyz) for p in parts), unmarked=n)
 
-    low, high, specks = far_specks([p.xyz for p in parts], taken)
+    corners = joined(ends)
+    specks = far_specks([p.xyz for p in parts], taken, corners)
     if specks is not None:
         taken = [used & ~speck for used, speck in zip(taken, specks, strict=True)]
         n = sum(int(used.sum()) for used in taken)
+        corners = joined([corners_of(p.xyz[used]) for p, used in zip(parts, taken, strict=True)])
     scale = scale_of(path, facts, [p.xyz for p in parts], taken, asked=unit, up=up)
     if specks is not None:
-        _tell_specks(facts, parts, specks, low, high, scale)
+        _tell_specks(facts, parts, specks, corners, scale)
     check_precision(path, facts, [p.xyz for p in parts], taken, scale)
-    corners = turn(np.stack([low, high]) * scale, up)
-    where = origin_of(path, facts, np.sort(corners, axis=0), asked=origin)
+    where = origin_of(path, facts, np.sort(turn(corners * scale, up), axis=0), asked=origin)
     _tell_marked(facts, marked, keep_marked)
     _tell_dropped(facts, sum(map(len, points)) - sum(len(p.xyz) for p in parts))
 
     places = np.concatenate(points)
     if n == len(places):
-        return _cloud(parts, path, facts, up=up, scale=scale, origin=where, kept=None, dropped=0)
+        return _cloud(parts, path, facts, up=up, scale=scale, origin=where, corners=corners, kept=None, dropped=0)
     mine, others = places.copy(), places.copy()
     mine[places], others[places] = (used := np.concatenate(taken)), ~used
     dropped = len(places) - int(places.sum())
     aside = None
     if n < len(used):
         rest = [p.only(~used) for p, used in zip(parts, taken, strict=True)]
-        aside = _cloud(rest, path, Facts(), up=up, scale=scale, origin=where, kept=others, dropped=0)
+        around = joined([corners_of(p.xyz) for p in rest])
+        aside = _cloud(rest, path, Facts(), up=up, scale=scale, origin=where, corners=around, kept=others, dropped=0)
         parts = [p.only(used) for p, used in zip(parts, taken, strict=True)]
-    return _cloud(parts, path, facts, up=up, scale=scale, origin=where, kept=mine, dropped=dropped, aside=aside)
+    return _cloud(
+        parts, path, facts, up=up, scale=scale, origin=where, corners=corners, kept=mine, dropped=dropped, aside=aside
+    )
 
 
-def _sorted(chunk: Chunk, marked: Counter[str], keep_marked: bool) -> tuple[Mask, Chunk, Mask]:
-    """Which points of a chunk are points, those points, and which of them take part; counts the marked ones."""
-    finite = np.isfinite(chunk.xyz)
-    mask = np.ones(len(finite), np.bool_) if finite.all() else np.logical_and.reduce(finite, axis=1)
+def _sorted(chunk: Chunk, marked: Counter[str], keep_marked: bool) -> tuple[Mask, Chunk, Mask, NDArray[np.float64]]:
+    """Which points of a chunk are points, those points, which of them take part, their corners; counts the marked."""
+    corners = corners_of(chunk.xyz)
+    mask = np.ones(len(chunk.xyz), np.bool_)
+    whole = bool(np.isfinite(corners).all())
+    if not whole:
+        mask &= np.logical_and.reduce(np.isfinite(chunk.xyz), axis=1)
     if chunk.valid is not None:
         mask &= chunk.valid
+        whole = whole and bool(chunk.valid.all())
     used = np.ones(len(mask), np.bool_)
     for name, those in chunk.marks.items():
-        if those.any():
-            marked[name] += int((those & used & mask).sum())
-            used &= ~those
+        marked[name] += int((those & used & mask).sum())
+        used &= ~those
     part = chunk.only(mask)
-    return mask, part, np.ones(len(part.xyz), np.bool_) if keep_marked else used[mask]
+    used = np.ones(len(part.xyz), np.bool_) if keep_marked else used[mask]
+    if not (whole and used.all()):
+        corners = corners_of(part.xyz[used])
+    return mask, part, used, corners
 
 
 def _cloud(
@@ -108,6 +121,7 @@ def _cloud(
     up: Up,
     scale: NDArray[np.float64],
     origin: NDArray[np.float64],
+    corners: NDArray[np.float64],
     kept: Mask | None,
     dropped: int,
     aside: Cloud | None = None,
@@ -119,9 +133,7 @@ def _cloud(
     intensity = _joined([p.intensity for p in parts], lengths)
     classification = _joined([p.classification for p in parts], lengths)
     stations = np.concatenate([p.stations for p in parts if p.stations is not None] or [np.zeros((0, 3))])
-    ends = [np.stack([p.xyz.min(axis=0), p.xyz.max(axis=0)]) for p in parts if len(p.xyz)]
-    corners = turn(np.concatenate(ends).astype(np.float64) * scale, up) - origin
-    reach = float(np.abs(corners).max())
+    reach = float(np.abs(turn(corners * scale, up) - origin).max())
     return Cloud(
         xyz=_shifted(parts, scale, up, origin, np.float32 if reach < FLOAT32_REACH else np.float64),
         origin=origin,
@@ -199,15 +211,14 @@ def _tell_specks(
     facts: Facts,
     parts: Sequence[Chunk],
     specks: Sequence[Mask],
-    low: NDArray[np.float64],
-    high: NDArray[np.float64],
+    corners: NDArray[np.float64],
     scale: NDArray[np.float64],
 ) -> None:
     """Say how many points were set aside, and how far they are from the box of all others."""
     far = 0.0
     for part, speck in zip(parts, specks, strict=True):
         if speck.any():
-            off = np.maximum(np.maximum(low - part.xyz[speck], part.xyz[speck] - high), 0.0)
+            off = np.maximum(np.maximum(corners[0] - part.xyz[speck], part.xyz[speck] - corners[1]), 0.0)
             far = max(far, float(np.linalg.norm(off * scale, axis=1).max()))
     number = sum(int(speck.sum()) for speck in specks)
     facts.tell("specks", f"{count(number, 'point')} far from all others, by up to {far:,.0f} m: set aside")

@@ -27,6 +27,8 @@ FEWEST = 1000
 """Points from which on their size is judged; no vault is looked for in fewer."""
 ROOM_HEIGHT, ROOM_WIDTH = (0.5, 40.0), (1.0, 500.0)
 """m; sizes of what is likely a scan of rooms under vaults, for the hint."""
+FEW = 100
+"""Points with which degrees are told from lengths."""
 CELLS = 50
 """Cells along the diagonal, by whose number the surface is measured."""
 DEGREES = 0.05, 20.0
@@ -96,7 +98,7 @@ def _check_kind(path: Path, facts: Facts) -> None:
 
 def _check_degrees(path: Path, facts: Facts, points: NDArray[np.float64], asked: str | None) -> None:
     """Degrees that nothing in the file names: a building's longitudes differ by nothing beside its height."""
-    if asked is not None or facts.unit is not None or len(points) == 0:
+    if asked is not None or facts.unit is not None or len(points) < FEW:
         return
     x, y, z = np.ptp(np.quantile(points, BULK, axis=0), axis=0)
     within = np.abs(points[:, 0]).max() <= 360 and np.abs(points[:, 1]).max() <= 360

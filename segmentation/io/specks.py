@@ -25,36 +25,22 @@ REACH = 5e4
 """Diagonals of the bulk beyond which all is equally far."""
 
 
-def far_specks(
-    parts: Sequence[Floats], taken: Sequence[Mask]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], list[Mask] | None]:
-    """Lowest and highest corner (3,) of the points (k, 3) that take part, and which of them are specks; None if none.
+def far_specks(parts: Sequence[Floats], taken: Sequence[Mask], corners: NDArray[np.float64]) -> tuple[Mask, ...] | None:
+    """Which of the points (k, 3) that take part are specks; None if none. corners: (2, 3) of those that do.
 
     Points are grouped by the cells of a grid; a group is a speck if it is far from all groups that are none, and has
     few points, or all of them in one place, as beams without an answer have that are written as 0,0,0.
     """
-    low, high = _corners(parts, taken)
     bulk = sample(parts, taken)
     bulk = bulk[(bulk != 0).any(axis=1)]
     if sum(int(used.sum()) for used in taken) < FEWEST or len(bulk) == 0:
-        return low, high, None
+        return None
     inner, outer = np.quantile(bulk, MIDDLE, axis=0)
     diagonal = float(np.linalg.norm(outer - inner))
-    if diagonal == 0 or ((low >= inner - diagonal).all() and (high <= outer + diagonal).all()):
-        return low, high, None
+    if diagonal == 0 or ((corners[0] >= inner - diagonal).all() and (corners[1] <= outer + diagonal).all()):
+        return None
     far = _grouped(parts, taken, inner, outer, diagonal)
-    if not any(mask.any() for mask in far):
-        return low, high, None
-    return *_corners(parts, [used & ~mask for used, mask in zip(taken, far, strict=True)]), far
-
-
-def _corners(parts: Sequence[Floats], taken: Sequence[Mask]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for part, used in zip(parts, taken, strict=True):
-        mine = part if used.all() else part[used]
-        if len(mine):
-            low, high = np.minimum(low, mine.min(axis=0)), np.maximum(high, mine.max(axis=0))
-    return low, high
+    return tuple(far) if any(mask.any() for mask in far) else None
 
 
 def _grouped(
