@@ -28,18 +28,19 @@ FEW, UNSURE = 0.5, 0.8  # shares below which coverage and confidence are pointed
 def read(request: Request) -> dict[str, Any]:
     """Write the thinned points of a scan to `path`: float32 (n, 3) [mm], then uint8 (n, 3) red, green, blue.
 
-    Asked: scan, up ("z" or "y"), path. Told: shown (n), points (of the scan), origin [m] to which they are relative.
+    Asked: scan, up ("z" or "y"), unit ("auto", as the file states it, or one of `UNITS`), path. Told: shown (n), points
+    (of the scan), origin [m] to which they are relative, notes on what was assumed.
     """
     cloud, thinned = _scan(request)
     xyz = (thinned.xyz * MM).astype("<f4")
     _bytes(Path(request.text("path")), xyz.tobytes() + _colours(cloud, thinned).tobytes())
-    return {"shown": len(thinned), "points": len(cloud), "origin": cloud.origin.tolist()}
+    return _told(cloud, thinned)
 
 
 def fit(request: Request) -> dict[str, Any]:
     """Fit the vaults of a scan, and write the deviation of each shown point to `path`: float32 (n,) [mm].
 
-    Deviations are NaN off the vaults, and infinite outside the box. Asked: scan, up, family ("auto" or a name),
+    Deviations are NaN off the vaults, and infinite outside the box. Asked: scan, up, unit, family ("auto" or a name),
     thickness [m], seed, path, and box to fit only what is in it: `frame` (3, 4) that brings local points into the box's
     own axes, its corners `low` and `high` there [m]. Told: `vaults`, as `told` has them, each with `flags` and, if
     there are several, the box of its bay; and the scan as `read` tells it. The stages come as progress.
@@ -72,9 +73,17 @@ def fit(request: Request) -> dict[str, Any]:
             {**told(vault), "flags": flags(vault), "bay": bay(vault) if several else None}
             for vault in result.model.vaults
         ],
+        **_told(cloud, thinned),
+    }
+
+
+def _told(cloud: Cloud, thinned: Thinned) -> dict[str, Any]:
+    """What is said of a scan that was read."""
+    return {
         "shown": len(thinned),
         "points": len(cloud),
         "origin": cloud.origin.tolist(),
+        "notes": [note.text for note in cloud.notes],
     }
 
 
@@ -99,16 +108,17 @@ def _scan(request: Request) -> tuple[Cloud, Thinned]:
     up = request.text("up", "z")
     if up not in {"z", "y"}:
         raise ValueError(f"up = {up!r}: give z or y")
+    unit = request.text("unit", "auto")
     path = Path(request.text("scan"))
     changed = path.stat().st_mtime_ns if path.exists() else 0  # a missing file is for the reader to refuse
-    return _read(path, up, changed)
+    return _read(path, up, None if unit == "auto" else unit, changed)
 
 
 @lru_cache(maxsize=1)
-def _read(path: Path, up: str, changed: int) -> tuple[Cloud, Thinned]:
+def _read(path: Path, up: str, unit: str | None, changed: int) -> tuple[Cloud, Thinned]:
     from segmentation.io import read
 
-    cloud = read(path, up=cast(Literal["z", "y"], up))
+    cloud = read(path, up=cast(Literal["z", "y"], up), unit=unit)
     return cloud, _thinned(cloud)
 
 
@@ -153,7 +163,7 @@ def _part(cloud: Cloud, inside: NDArray[np.bool_]) -> Cloud:
         return cloud
     columns = ("normals", "color", "intensity", "classification")
     cut = {name: column[inside] for name in columns if (column := getattr(cloud, name)) is not None}
-    return replace(cloud, xyz=cloud.xyz[inside], kept=None, **cut)
+    return replace(cloud, xyz=cloud.xyz[inside], kept=None, aside=None, **cut)
 
 
 def _means(thinned: Thinned, deviation: NDArray[np.float32]) -> NDArray[np.float64]:

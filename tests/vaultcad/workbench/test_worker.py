@@ -20,6 +20,7 @@ from OCP.TopoDS import TopoDS_Shape
 
 from families import FAMILIES, brep, family
 from families.shapes import volume
+from segmentation import write_cloud
 from vaultcad.workbench.declarations import declared, profiles_of, vault_of
 from vaultcad.workbench.install import ADD_ON
 
@@ -52,6 +53,20 @@ def shape_in(path: Path) -> TopoDS_Shape:
     shape = TopoDS_Shape()
     assert BRepTools.Read_s(shape, str(path), BRep_Builder())
     return shape
+
+
+def test_the_unit_of_a_scan_is_said_or_asked_for(worker: Any, tmp_path: Path) -> None:
+    rng = np.random.default_rng(0)
+    xyz = rng.uniform(0, 1, (4000, 3))
+    xyz[np.arange(4000), np.arange(4000) % 3] = 0
+    write_cloud(tmp_path / "a.ply", xyz * [500, 600, 400])
+    asked = {"scan": str(tmp_path / "a.ply"), "up": "z", "path": str(tmp_path / "points")}
+    with pytest.raises(client.RefusedError, match="--unit cm"):
+        worker.ask("read", **asked)
+    told = worker.ask("read", **asked, unit="cm")
+    assert told["notes"] == ["unit: centimetre, as asked (coordinates times 0.01)"]
+    shown = np.fromfile(tmp_path / "points", "<f4", 3 * told["shown"]).reshape(-1, 3)
+    assert np.ptp(shown, axis=0) == pytest.approx([5000, 6000, 4000], abs=50)
 
 
 @pytest.mark.parametrize("name", IDS)

@@ -16,7 +16,9 @@ from .fit import region
 from .texts import QT_TRANSLATE_NOOP, complain, translate
 from .view import icon
 
-SCANS = "*.e57 *.las *.laz *.ply *.pcd *.xyz *.pts *.csv *.txt"
+SCANS = "*.e57 *.las *.laz *.ply *.pcd *.ptx *.pts *.xyz *.csv *.txt *.asc"
+UNITS = ("m", "cm", "mm", "ft", "ftUS", "in")
+UNIT_OPTION = "--unit"  # what a refusal names if the unit of the scan is not clear
 
 
 class Command:
@@ -100,15 +102,23 @@ class ImportScan(Command):
         """Ask for the file."""
         title, kind = translate("VaultCad", "Import scan"), translate("VaultCad", "Scans")
         path, _ = QtGui.QFileDialog.getOpenFileName(Gui.getMainWindow(), title, "", f"{kind} ({SCANS})")
-        if path:
+        if not path:
+            return
+        try:
             self.load(path)
+        except RefusedError as error:
+            if UNIT_OPTION not in str(error):
+                raise
+            unit, said = QtGui.QInputDialog.getItem(Gui.getMainWindow(), title, str(error), UNITS, 0, False)
+            if said:
+                self.load(path, unit)
 
-    def load(self, path: str) -> Any:
-        """Read a file into the active document, or into a new one."""
+    def load(self, path: str, unit: str = "auto") -> Any:
+        """Read a file into the active document, or into a new one; unit: as `scan.load` takes it."""
         document = App.ActiveDocument or App.newDocument()
         document.openTransaction(translate("VaultCad", "Import scan"))
         try:
-            obj = scan.load(document, path)
+            obj = scan.load(document, path, unit=unit)
         except (RefusedError, GoneError):
             document.abortTransaction()
             raise

@@ -40,6 +40,7 @@ class Fit:
         self._folder = tempfile.TemporaryDirectory(prefix="vaultcad-")
         self._path = Path(self._folder.name) / "deviation"
         asked = {"scan": points.File, "up": points.Up.lower(), "family": family, "path": str(self._path)}
+        asked["unit"] = getattr(points, "Unit", "auto")  # documents of earlier versions have none
         if region is not None:
             asked["box"] = region
         self._call = FITTER.begin("fit", **asked)

@@ -13,7 +13,7 @@ import FreeCAD as App
 import Points
 
 from .client import FITTER
-from .texts import translate
+from .texts import say, translate
 
 BYTES, FLOATS = 3, 12  # of one point: its colour, and its coordinates
 SHOWS = ("Colour", "Deviation")
@@ -25,8 +25,10 @@ SCALE = ((0.13, 0.40, 0.67), (0.97, 0.97, 0.97), (0.70, 0.09, 0.17))
 Colour = tuple[float, ...]  # red, green, blue from 0 to 1
 
 
-def load(document: Any, path: str, up: str = "Z") -> Any:
-    """Read a scan through the worker and show its points.
+def load(document: Any, path: str, up: str = "Z", unit: str = "auto") -> Any:
+    """Read a scan through the worker and show its points; what was assumed of it goes to the report view.
+
+    unit: m, cm, mm, ft, ftUS or in; auto for the one that the file states, or metres.
 
     Raises:
         client.RefusedError: the file cannot be read; why.
@@ -34,12 +36,14 @@ def load(document: Any, path: str, up: str = "Z") -> Any:
     """
     with tempfile.TemporaryDirectory(prefix="vaultcad-") as folder:
         out = Path(folder) / "points"
-        reply = FITTER.ask("read", scan=path, up=up.lower(), path=str(out))
+        reply = FITTER.ask("read", scan=path, up=up.lower(), unit=unit, path=str(out))
         content = out.read_bytes()
     obj = document.addObject("Points::FeaturePython", "Scan")
     obj.Label = Path(path).stem
     Scan(obj)
-    obj.File, obj.Up, obj.Total = path, up, reply["points"]
+    obj.File, obj.Up, obj.Unit, obj.Total = path, up, unit, reply["points"]
+    for note in reply["notes"]:
+        say(f"{Path(path).name}: {note}")
     obj.Origin = App.Vector(*reply["origin"])
     n = reply["shown"]
     xyz = array("f", content[: n * FLOATS])
@@ -87,6 +91,12 @@ class Scan:
         for kind, name, group, text in (
             ("App::PropertyFile", "File", "Scan", translate("VaultCad", "the scan's file")),
             ("App::PropertyEnumeration", "Up", "Scan", translate("VaultCad", "the axis that is up in the file")),
+            (
+                "App::PropertyString",
+                "Unit",
+                "Scan",
+                translate("VaultCad", "the unit of the file, or auto as it states it"),
+            ),
             ("App::PropertyInteger", "Total", "Scan", translate("VaultCad", "points in the file")),
             (
                 "App::PropertyVector",
@@ -141,7 +151,7 @@ class Scan:
     __getstate__, __setstate__ = dumps, loads  # the names that FreeCAD 0.20 knows them by
 
     def _hide(self, obj: Any) -> None:
-        for name in ("File", "Up", "Total", "Origin"):
+        for name in ("File", "Up", "Unit", "Total", "Origin"):
             obj.setEditorMode(name, 1)
         for name in ("Color", "ScanColor", "Deviation"):
             obj.setEditorMode(name, 2)

@@ -23,6 +23,11 @@ def QT_TRANSLATE_NOOP(context: str, text: str) -> str:
     return text
 
 
+def say(text: str) -> None:
+    """A line in the report view."""
+    App.Console.PrintMessage(f"VaultCad: {text}\n")
+
+
 def complain(text: str) -> None:
     """A line in red in the report view, and in the window's status bar."""
     App.Console.PrintError(f"VaultCad: {text}\n")
