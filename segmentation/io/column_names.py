@@ -15,6 +15,7 @@ _ALIASES: dict[str, tuple[str, ...]] = {
     ),
     "z": (
         "z|elevation|elev|el|height|h|hgt|level|rl|altitude|alt|ellipsoidal height|orthometric height|z height",
+        "hohe nn|hohe nhn|hohe u nn|hohe uber nn|hohe m u nn|gelandehohe",
         "hohe|hoehe|quota|q|altezza|elevazione|hauteur|cote|cota|altitud|elevacion|altura|hoogte",
     ),
     "r": ("r|red|rf|diffuse red|color r|colour r", "rot|rosso|rouge|rojo"),
@@ -38,7 +39,8 @@ _ALIASES: dict[str, tuple[str, ...]] = {
 }
 NAMES = {alias: name for name, lines in _ALIASES.items() for line in lines for alias in line.split("|")}
 """What a column holds, by its name in plain words; "" is for what a cloud has no use for."""
-_COORDINATE = ("coordinate", "coord", "coordinata", "coordonnee", "coordenada", "koordinate", "koord")
+NAMES |= {f"points {k}": axis for k, axis in enumerate(COORDINATES)}  # ParaView's
+_COORDINATE = ("point", "coordinate", "coord", "coordinata", "coordonnee", "coordenada", "koordinate", "koord")
 NAMES |= {f"{word} {axis}": axis for axis in COORDINATES for word in _COORDINATE}
 NAMES |= {f"{axis} {word}": axis for axis in COORDINATES for word in _COORDINATE}
 NAMES |= {f"{axis}{word}": axis for axis in COORDINATES for word in _COORDINATE}

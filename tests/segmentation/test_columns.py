@@ -53,6 +53,9 @@ def points(cloud):
         ("# order: N E Z", "yxz"),
         ("\"Northing\",\"Easting\",\"Height\"", "yxz"),
         ("UTM_N,UTM_E,Alt.", "yxz"),
+        ("POINT_X,POINT_Y,POINT_Z", "xyz"),
+        ('"Points:0","Points:1","Points:2"', "xyz"),
+        ("Hochwert / m;Rechtswert / m;Höhe ü. NN", "yxz"),
     ],
 )  # fmt: skip
 def test_names_of_coordinates(tmp_path, head, order):
