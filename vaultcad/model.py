@@ -128,6 +128,8 @@ class FittedVault:
     as_built: Deviation | None = None
     covariance: Covariance | None = None
     tolerance: float = 0.03  # m, half of the band that its points lie in
+    thickness: float | None = None  # m, of its masonry; None for that of the model
+    label: str = ""  # what a user calls it
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, Any]:
         """What a notebook shows."""
@@ -152,6 +154,10 @@ class Model:
     unit: float = 1.0  # m, of x and y in the scan
     crs: Crs | None = None  # that the scan declares
     notes: tuple[Note, ...] = ()  # what was assumed, left out or changed
+
+    def thickness_of(self, fitted: FittedVault) -> float:
+        """Of the masonry of one of its vaults [m]."""
+        return self.thickness if fitted.thickness is None else fitted.thickness
 
     @property
     def place(self) -> str:

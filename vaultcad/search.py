@@ -29,6 +29,8 @@ EXPLAINED = 0.65  # share of what hangs over the springing that a vault must exp
 ALIGNED = 0.8  # cosine between the normals of scan and model where a point is explained
 MOST, LEVEL = (0.1, 0.9), 0.02  # most of a ceiling, and its rise / shorter side below which it is level
 FLAT = 0.05  # rise / shorter side of the plan below which a ceiling is no vault
+ROUGH = 0.02, 0.01  # m, and share of its rise, that the stone of a vault is off it at most (rms)
+VAGUE = 0.1  # rms / rise from which on a model says nothing
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 HIGH = 0.93  # crown of lunettes / crown of their barrel from which on they may be groin vaults in a row
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
@@ -190,9 +192,27 @@ def check(placed: Placed, site: Site, tolerance: float) -> None:
             f"no vault found: the best model rises {rise:.2f} m, most of the ceiling {spread:.2f} m, which is flat; "
             "crop the scan to one bay"
         )
-    share = float(on_vault(placed, site.points[above], site.normals[above], tolerance).mean()) if above.any() else 0.0
+    on = on_vault(placed, site.points[above], site.normals[above], tolerance) if above.any() else above[:0]
+    _check_smooth(placed, site.points[above][on], rise)
+    share = float(on.mean()) if len(on) else 0.0
     if share < EXPLAINED:
         raise NoVaultError(
             f"no vault found: the best model, a {vault.title}, explains {share:.0%} of what hangs over its springing; "
             "crop the scan to one vaulted bay"
+        )
+
+
+def _check_smooth(placed: Placed, points: Array, rise: float) -> None:
+    """Refuse a model that its own points (n, 3) [m] are too far from: masonry settles, but is smooth.
+
+    Raises:
+        NoVaultError: they are.
+    """
+    if len(points) == 0:
+        return
+    rms = float(np.sqrt(np.mean(placed.distance(points) ** 2)))
+    if rms > min(ROUGH[0] + ROUGH[1] * rise, VAGUE * rise):
+        raise NoVaultError(
+            f"no vault found: the surface is {100 * rms:.1f} cm off the best model, a {placed.vault.title} that rises "
+            f"{rise:.2f} m; that is too rough for a vault"
         )

@@ -18,7 +18,7 @@ def buildable(model: Model) -> Model:
     Raises:
         ExportError: a vault cannot be built even so.
     """
-    return replace(model, vaults=tuple(replace(f, vault=_nudged(f.vault, model.thickness)) for f in model.vaults))
+    return replace(model, vaults=tuple(replace(f, vault=_nudged(f.vault, model.thickness_of(f))) for f in model.vaults))
 
 
 def _nudged(vault: Vault, thickness: float) -> Vault:

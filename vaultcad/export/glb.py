@@ -21,13 +21,13 @@ Y_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype
 
 
 def write_glb(model: Model, path: Path) -> None:
-    """Write all vaults of a model; nodes of the second and further ones begin with their number."""
+    """Write all vaults of a model; where there are several, nodes begin with their number and label."""
     import trimesh
 
     scene = trimesh.Scene()
     for k, fitted in enumerate(model.vaults, 1):
-        prefix = "" if len(model.vaults) == 1 else f"{k}/"
-        for name, part in _parts(fitted, model.thickness):
+        prefix = f"{k} {fitted.label}".rstrip() + "/" if len(model.vaults) > 1 else ""
+        for name, part in _parts(fitted, model.thickness_of(fitted)):
             scene.add_geometry(part, node_name=prefix + name, geom_name=prefix + name)
     scene.metadata["origin"] = model.origin.tolist()  # becomes the extras of the scene
     scene.metadata["crs"] = None if model.crs is None else model.crs.title

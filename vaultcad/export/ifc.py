@@ -100,23 +100,23 @@ def _spaces(author: Author, project: Entity) -> Entity:
 
 
 def _roof(author: Author, fitted: FittedVault, key: str, storey: Entity, model: Model) -> Entity:
-    vault = fitted.vault
+    vault, thickness = fitted.vault, model.thickness_of(fitted)
     place = author.placed(storey.ObjectPlacement, fitted.pose.placement())
     roof = author.root(
         "IfcRoof",
         key,
-        Name=vault.title.capitalize(),
+        Name=fitted.label or vault.title.capitalize(),
         Description=f"fitted to {model.scan.name}" if fitted.components else None,
         ObjectType=vault.title,
         ObjectPlacement=place,
         Tag=vault.id,
         PredefinedType=ROOF_TYPES.get(type(vault), "USERDEFINED"),
     )
-    pieces = bodies(vault, model.thickness)
+    pieces = bodies(vault, thickness)
     facts = {component.name: component for component in fitted.components}
-    slabs = [_slab(author, key, body, place, facts.get(body.name), model.thickness) for body in pieces]
+    slabs = [_slab(author, key, body, place, facts.get(body.name), thickness) for body in pieces]
     author.relate("IfcRelAggregates", f"{key} of", ("RelatingObject", roof), ("RelatedObjects", slabs))
-    _masonry(author, key, [roof, *slabs], model.thickness)
+    _masonry(author, key, [roof, *slabs], thickness)
 
     author.properties(roof, "Pset_RoofCommon", _common(author, vault.id))
     author.properties(roof, "VaultCAD_Parameters", _parameters(author, fitted))

@@ -75,7 +75,7 @@ def _vault(fitted: FittedVault, model: Model, points: NDArray[np.float64], devia
         f'<p class="soft">{escape(str(model.scan))} · {model.points:,} points</p></header>'
         f"{_summary(fitted)}"
         f'<div class="figures">{figures}</div>'
-        f"{_drawings(fitted, model.thickness, points)}"
+        f"{_drawings(fitted, model.thickness_of(fitted), points)}"
         f"<section><h2>Deviation</h2>{_deviation(fitted, deviation)}</section>"
         f"<section><h2>Sizes and parameters</h2>{_parameters(fitted, model.origin)}</section>"
         f"<section><h2>Components</h2>{_components(fitted.components)}</section>"

@@ -75,7 +75,7 @@ def draw_review(
     for k, fitted in enumerate(model.vaults, 1):
         frame = fitted.pose.frame()
         local, mine = xyz @ frame[:, :3].T + frame[:, 3], np.where(owner == k, component, 0)
-        found.append(Seen(fitted, model.thickness, local, mine, np.asarray(deviation, dtype=np.float64)))
+        found.append(Seen(fitted, model.thickness_of(fitted), local, mine, np.asarray(deviation, dtype=np.float64)))
     several = len(found) > 1
     heights = [OVERVIEW * several, *(_height(seen) for seen in found)]
     figure = Figure(figsize=(WIDE, sum(heights)), facecolor="white")

@@ -44,8 +44,8 @@ def write_step(model: Model, path: Path) -> None:
     assembly = shapes.NewShape()
     _name(assembly, model.scan.stem)
     for k, fitted in enumerate(model.vaults, 1):
-        name = f"{k} {fitted.vault.title}" if len(model.vaults) > 1 else fitted.vault.title
-        part = _part(shapes, document.Main(), fitted, model.thickness, name)
+        name = fitted.label or (f"{k} {fitted.vault.title}" if len(model.vaults) > 1 else fitted.vault.title)
+        part = _part(shapes, document.Main(), fitted, model.thickness_of(fitted), name)
         _name(shapes.AddComponent(assembly, part, _location(fitted.pose)), name)
     shapes.UpdateAssemblies()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +19,9 @@ THICKNESS = 0.15  # m, of a vault that is shown as a surface
 def export(request: Request) -> dict[str, Any]:
     """Write vaults to `path`, whose suffix says how.
 
-    Asked: path, name (of the document), origin [m], and vaults: each with family, profiles, parameters and pose, and
-    the rest of what the fit told of it as long as it is as fitted. `thickness` [m] is that of all. Told: path.
+    Asked: path, name (of the document), origin [m], and vaults: each with family, profiles, parameters and pose, its
+    label and thickness [m], 0 for `THICKNESS`, and the rest of what the fit told of it as long as it is as fitted.
+    Told: path.
 
     Raises:
         ExportError: it cannot be written, or a vault not be built.
@@ -38,7 +40,14 @@ def export(request: Request) -> dict[str, Any]:
     if write is None:
         raise ValueError(f"{path.name}: unknown suffix {path.suffix!r}; name one of {', '.join(writers)}")
     try:
-        vaults = tuple(fitted_vault(plain) for plain in request.tables("vaults"))
+        vaults = tuple(
+            replace(
+                fitted_vault(plain),
+                thickness=float(plain.get("thickness", 0)) or THICKNESS,
+                label=str(plain.get("label", "")),
+            )
+            for plain in request.tables("vaults")
+        )
         origin = np.array([float(value) for value in request.arguments.get("origin", (0, 0, 0))]).reshape(3)
     except (KeyError, TypeError) as error:
         raise ValueError(f"vaults: {type(error).__name__} {error}; give family, parameters and pose of each") from None
@@ -48,7 +57,6 @@ def export(request: Request) -> dict[str, Any]:
         bounds=np.zeros((2, 3)),
         origin=origin,
         vaults=vaults,
-        thickness=request.number("thickness", 0) or THICKNESS,
         versions=versions(),
     )
     with replacing(path) as part:

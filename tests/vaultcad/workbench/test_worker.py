@@ -69,6 +69,31 @@ def test_the_unit_of_a_scan_is_said_or_asked_for(worker: Any, tmp_path: Path) ->
     assert np.ptp(shown, axis=0) == pytest.approx([5000, 6000, 4000], abs=50)
 
 
+def test_every_vault_is_written_with_its_own_thickness_and_label(worker: Any, tmp_path: Path) -> None:
+    import ifcopenshell
+
+    vaults = []
+    for k, thickness in enumerate((0.4, 0.1, 0.0)):
+        vault = family("barrel")()
+        told = {"family": "barrel", "profiles": profiles_of(vault), "parameters": vault.values()}
+        pose = {"x": 20.0 * k, "y": 0.0, "z": 0.0, "yaw": 0.0}
+        vaults.append({**told, "pose": pose, "thickness": thickness, "label": f"Nave {k}"})
+    worker.ask("export", path=str(tmp_path / "a.ifc"), vaults=vaults)
+    file = ifcopenshell.open(str(tmp_path / "a.ifc"))
+    assert [roof.Name for roof in file.by_type("IfcRoof")] == ["Nave 0", "Nave 1", "Nave 2"]
+    layers = [layer.LayerThickness for layer in file.by_type("IfcMaterialLayer")]
+    assert layers == pytest.approx([0.4, 0.1, 0.15])
+    worker.ask("export", path=str(tmp_path / "a.step"), vaults=vaults)
+    assert all(f"'Nave {k}'" in (tmp_path / "a.step").read_text() for k in range(3))
+    volumes = [volume(brep.masonry(family("barrel")(), thickness)) for thickness in (0.4, 0.1, 0.15)]
+    from OCP.STEPControl import STEPControl_Reader
+
+    reader = STEPControl_Reader()
+    reader.ReadFile(str(tmp_path / "a.step"))
+    reader.TransferRoots()
+    assert volume(reader.OneShape()) == pytest.approx(sum(volumes), rel=1e-6)
+
+
 @pytest.mark.parametrize("name", IDS)
 def test_what_is_declared_makes_the_vault(name: str) -> None:
     vault, told = family(name)(), json.loads(json.dumps(declared(family(name))))

@@ -12,7 +12,7 @@ FILTERS = "STEP (*.step *.stp);;IFC (*.ifc);;GLB (*.glb)"
 
 
 def export(vaults: list[Any], path: str) -> None:
-    """Write vaults to a file, whose suffix says how. All have the thickness of the thickest.
+    """Write vaults to a file, whose suffix says how, each with its own thickness and label.
 
     Raises:
         client.RefusedError: it cannot be; why.
@@ -23,13 +23,13 @@ def export(vaults: list[Any], path: str) -> None:
     for obj in vaults:
         request = obj.Proxy.request(obj)
         told = {name: request[name] for name in ("family", "profiles", "parameters")}
-        asked.append({**(report(obj) or {}), **told, "pose": pose(obj)})
+        own = {"label": obj.Label, "thickness": obj.Thickness.Value / MM}
+        asked.append({**(report(obj) or {}), **told, **own, "pose": pose(obj)})
     scans = [obj.Scan for obj in vaults if getattr(obj, "Scan", None) is not None]
     BUILDER.ask(
         "export",
         path=path,
         name=scans[0].Label if scans else vaults[0].Document.Label,
         origin=list(scans[0].Origin) if scans else [0.0, 0.0, 0.0],
-        thickness=max(obj.Thickness.Value for obj in vaults) / MM,
         vaults=asked,
     )
