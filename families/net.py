@@ -135,7 +135,7 @@ class Net:
             near &= np.abs(points - end).max(axis=1) > ONE
         if not near.any():
             return [step]
-        cuts = sorted(t[near].tolist(), reverse=step.end < step.start)
+        cuts = sorted(t[near].tolist(), reverse=bool(step.end < step.start))
         at = [step.start, *cuts, step.end]
         return [Step(step.path, a, b) for a, b in pairwise(at)]
 

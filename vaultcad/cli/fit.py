@@ -106,7 +106,7 @@ def fit(
             "vault": labels.vault,
             "deviation": labels.deviation,
         }
-        write_all(
+        drawn = write_all(
             result.model,
             out,
             segments=lambda path: write_labelled(scan, path, cloud, extra),
@@ -118,7 +118,7 @@ def fit(
             correlations=correlations,
             progress=lambda name: bar.stage("writing", name),
         )
-    show_notes(result.model.notes)
+    show_notes(drawn.notes)
     if json:
         typer.echo((out / "report.json").read_text(encoding="utf-8").rstrip())
     else:

@@ -2,35 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
-from families import Vault
+import numpy as np
+
+from families import Profile, Semicircular, Vault
+from segmentation.notes import Note
 from vaultcad.errors import ExportError
 from vaultcad.export.geometry import bodies, masonry
 from vaultcad.model import Model
 
 NUDGES = (0.0, 1e-5, -1e-5, 3e-5, -3e-5)  # of the first parameter, twice that of the second, and so on
+FURTHER = (1e-4, -1e-4, 3e-4, -3e-4, 1e-3, -1e-3)  # where that is not enough: some millimetres
+ROUND = 2e-3  # of the span, that the rise of an arch which is taken for a semicircle may be off
+PLACES = 2000  # at which two vaults are compared
 
 
 def buildable(model: Model) -> Model:
-    """The model with vaults that can be built: where surfaces touch just so that they cannot, they are nudged.
+    """The model with vaults that can be built, and notes on those that had to be changed for it.
+
+    Where surfaces touch just so that they cannot be, sizes are nudged; arches that all but are semicircles become them.
 
     Raises:
         ExportError: a vault cannot be built even so.
     """
-    return replace(model, vaults=tuple(replace(f, vault=_nudged(f.vault, model.thickness_of(f))) for f in model.vaults))
+    vaults, notes = [], list(model.notes)
+    for k, fitted in enumerate(model.vaults, 1):
+        built = _built(fitted.vault, model.thickness_of(fitted))
+        vaults.append(replace(fitted, vault=built))
+        if built is not fitted.vault:
+            off = 1000 * _apart(fitted.vault, built)
+            which = f" {k}" if len(model.vaults) > 1 else ""
+            why = f"off the fitted {built.title}, which cannot be built just so"
+            notes.append(Note("nudged", f"vault{which}: its body is up to {off:.2g} mm {why}"))
+    return replace(model, vaults=tuple(vaults), notes=tuple(notes))
 
 
-def _nudged(vault: Vault, thickness: float) -> Vault:
-    ranges = {p.name: p.range for p in vault.parameters() if not p.integer}
-    values = vault.values()
-    for nudge in NUDGES:
-        # Each by its own amount, so that two which were almost equal no longer are.
-        moved = {
-            name: min(max(values[name] * (1 + k * nudge), limits.low), limits.high)
-            for k, (name, limits) in enumerate(ranges.items(), 1)
-        }
-        trial = vault.replaced(moved) if nudge else vault
+def _built(vault: Vault, thickness: float) -> Vault:
+    for trial in _trials(vault):
         try:
             masonry(trial, thickness)
             bodies(trial, thickness)
@@ -40,3 +50,43 @@ def _nudged(vault: Vault, thickness: float) -> Vault:
     raise ExportError(
         f"OpenCASCADE cannot build this {vault.title} with walls of {thickness:g} m; try another --thickness"
     )
+
+
+def _trials(vault: Vault) -> Iterator[Vault]:
+    """The vault, then others as near to it as may be."""
+    yield from (_moved(vault, nudge) for nudge in NUDGES)
+    rounded = _rounded(vault)
+    if rounded is not None:
+        yield from (_moved(rounded, nudge) for nudge in NUDGES)
+    yield from (_moved(vault if rounded is None else rounded, nudge) for nudge in FURTHER)
+
+
+def _moved(vault: Vault, nudge: float) -> Vault:
+    """The vault with each size changed by its own amount, so that two which were almost equal no longer are."""
+    if not nudge:
+        return vault
+    ranges = {p.name: p.range for p in vault.parameters() if not p.integer}
+    values = vault.values()
+    return vault.replaced(
+        {
+            name: min(max(values[name] * (1 + k * nudge), limits.low), limits.high)
+            for k, (name, limits) in enumerate(ranges.items(), 1)
+        }
+    )
+
+
+def _rounded(vault: Vault) -> Vault | None:
+    """The vault with semicircles in place of arches that all but are; None if there are none."""
+    arches = {name: value for name, value in vars(vault).items() if isinstance(value, Profile)}
+    near: dict[str, Profile] = {
+        name: Semicircular()
+        for name, arch in arches.items()
+        if not isinstance(arch, Semicircular) and abs(arch.rise(0.5) - 0.5) < ROUND
+    }
+    return vault.with_arches(near) if near else None
+
+
+def _apart(vault: Vault, other: Vault) -> float:
+    """How far two vaults are from each other at most [m]."""
+    places = vault.sample(PLACES, np.random.default_rng(0)).xyz
+    return float(np.abs(other.distance(places)).max())

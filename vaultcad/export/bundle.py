@@ -8,6 +8,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -52,8 +53,8 @@ def write_all(
     review: bool = False,
     correlations: bool = False,
     progress: Callable[[str], None] = lambda name: None,
-) -> None:
-    """Write all files of a model into the folder `out`, which appears only when they are complete.
+) -> Model:
+    """Write all files of a model into the folder `out`, which appears only when they are complete; the model as drawn.
 
     Args:
         model: what was found.
@@ -90,11 +91,12 @@ def write_all(
             progress(name)
             with writing(out / name):
                 # The report tells what was fitted; what is drawn has to be built.
-                write(model if name == REPORT else solids, part / name)
+                write(replace(model, notes=solids.notes) if name == REPORT else solids, part / name)
         progress(SEGMENTS)
         with writing(out / SEGMENTS):
             labelled.result()
         _into_place(part, out)
+    return solids
 
 
 def check_target(out: Path) -> None:
