@@ -29,7 +29,8 @@ EXPLAINED = 0.65  # share of what hangs over the springing that a vault must exp
 ALIGNED = 0.8  # cosine between the normals of scan and model where a point is explained
 MOST, LEVEL = (0.1, 0.9), 0.02  # most of a ceiling, and its rise / shorter side below which it is level
 FLAT = 0.05  # rise / shorter side of the plan below which a ceiling is no vault
-ROUGH = 0.02, 0.01  # m, and share of its rise, that the stone of a vault is off it at most (rms)
+ROUGH = 0.02, 0.01  # m, and share of its rise or half span, that the stone of a vault is off it at most (rms)
+NARROW = 0.9  # m, span of a part of a scan that is rather an arch, or nothing
 VAGUE = 0.1  # rms / rise from which on a model says nothing
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 HIGH = 0.93  # crown of lunettes / crown of their barrel from which on they may be groin vaults in a row
@@ -108,6 +109,9 @@ class _Search:
         found = self._without_arches(region)
         vault = found.placed.vault
         seen = self._explained([found], region) * self.ceiling.cell**2
+        short = 2 * min(vault.plan.half_x, vault.plan.half_y)
+        if part and short < NARROW:
+            raise NoVaultError(f"no vault found: a {vault.title} of {short:.1f} m is an arch, if anything")
         if part and seen < FILLED * 4 * vault.plan.half_x * vault.plan.half_y:
             raise NoVaultError(f"no vault found: {seen:.1f} m² of a {vault.title} are too little of it")
         return found
@@ -193,7 +197,7 @@ def check(placed: Placed, site: Site, tolerance: float) -> None:
             "crop the scan to one bay"
         )
     on = on_vault(placed, site.points[above], site.normals[above], tolerance) if above.any() else above[:0]
-    _check_smooth(placed, site.points[above][on], rise)
+    _check_smooth(placed, site.points[above][on], rise, short)
     share = float(on.mean()) if len(on) else 0.0
     if share < EXPLAINED:
         raise NoVaultError(
@@ -202,8 +206,10 @@ def check(placed: Placed, site: Site, tolerance: float) -> None:
         )
 
 
-def _check_smooth(placed: Placed, points: Array, rise: float) -> None:
+def _check_smooth(placed: Placed, points: Array, rise: float, short: float) -> None:
     """Refuse a model that its own points (n, 3) [m] are too far from: masonry settles, but is smooth.
+
+    rise, short: of the model, and the shorter side of its plan [m].
 
     Raises:
         NoVaultError: they are.
@@ -211,7 +217,7 @@ def _check_smooth(placed: Placed, points: Array, rise: float) -> None:
     if len(points) == 0:
         return
     rms = float(np.sqrt(np.mean(placed.distance(points) ** 2)))
-    if rms > min(ROUGH[0] + ROUGH[1] * rise, VAGUE * rise):
+    if rms > min(ROUGH[0] + ROUGH[1] * min(rise, short / 2), VAGUE * rise):
         raise NoVaultError(
             f"no vault found: the surface is {100 * rms:.1f} cm off the best model, a {placed.vault.title} that rises "
             f"{rise:.2f} m; that is too rough for a vault"

@@ -4,12 +4,14 @@ from collections import Counter
 
 import numpy as np
 import pytest
+import trimesh
 
-from families import FAMILIES, Dome, Groin, Mirror, Pointed, Segmental, Stilted, Trough
+from families import FAMILIES, Dome, Groin, Lunette, Mirror, Pointed, Segmental, Stilted, Trough
 from families.mesh import Mesh
 from vaultcad.errors import ExportError
 from vaultcad.export.drawing import cut
 from vaultcad.export.geometry import Body, bodies, closed, loops, shell
+from vaultcad.scanner import draw
 
 THICKNESS = 0.15
 VAULTS = [
@@ -39,6 +41,13 @@ def test_bodies_share_the_masonry_out(vault):
     assert min(body.volume for body in pieces) > 0
     solid = Body(0, "", whole.vertices, whole.triangles, 0.0)
     assert sum(body.volume for body in pieces) == pytest.approx(solid.volume, rel=1e-9)
+
+
+@pytest.mark.parametrize("vault", [*VAULTS, *(draw(Lunette, np.random.default_rng(k))[0] for k in (14, 17, 21, 33))])
+def test_a_body_is_one_piece_with_a_volume(vault):
+    for body in bodies(vault, THICKNESS):
+        parts = trimesh.Trimesh(body.vertices, body.triangles, process=False).split(only_watertight=False)
+        assert [part.volume > 1e-6 for part in parts] == [True], body.name
 
 
 @pytest.mark.parametrize(

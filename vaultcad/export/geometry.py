@@ -22,6 +22,7 @@ from vaultcad.errors import ExportError
 
 TOLERANCE = 0.003  # [m] between triangles and the exact surface, below what scanners can tell
 BEYOND = 10.0  # [m] by which the prisms that cut reach past the masonry
+NO_VOLUME = 1e-7  # m³; a cube of 5 mm
 ON_EDGE = 1e-6  # [m]
 KEPT = 8  # vaults whose meshes are remembered
 
@@ -247,5 +248,12 @@ def _manifold(vertices: Floats, triangles: NDArray[np.integer]) -> Any:
 
 
 def _arrays(manifold: Any) -> tuple[Floats, Triangles]:
+    """Vertices and triangles, without the shells of no volume that cuts along a common face leave."""
+    import manifold3d
+
+    parts = manifold.decompose()
+    whole = [part for part in parts if part.volume() > NO_VOLUME]
+    if len(whole) < len(parts):
+        manifold = manifold3d.Manifold.compose(whole)
     mesh = manifold.to_mesh64()
     return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int32)
