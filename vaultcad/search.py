@@ -19,6 +19,7 @@ from vaultcad.recognise import Hypothesis, recognise
 from vaultcad.refine import Refined, refine
 from vaultcad.site import STEEP, Site, Thin, find_site
 from vaultcad.solve import Placed
+from vaultcad.uncertainty import covariance, slopes_of_sizes
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -29,8 +30,9 @@ EXPLAINED = 0.65  # share of what hangs over the springing that a vault must exp
 ALIGNED = 0.8  # cosine between the normals of scan and model where a point is explained
 MOST, LEVEL = (0.1, 0.9), 0.02  # most of a ceiling, and its rise / shorter side below which it is level
 FLAT = 0.05  # rise / shorter side of the plan below which a ceiling is no vault
-ROUGH = 0.02, 0.01  # m, and share of its rise or half span, that the stone of a vault is off it at most (rms)
+ROUGH = 0.02, 0.006  # m, and share of its rise or half span, that the stone of a vault is off it at most (rms)
 NARROW = 0.9  # m, span of a part of a scan that is rather an arch, or nothing
+LOW = 0.15  # rise / shorter side below which a rise has to be known
 VAGUE = 0.1  # rms / rise from which on a model says nothing
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 HIGH = 0.93  # crown of lunettes / crown of their barrel from which on they may be groin vaults in a row
@@ -148,6 +150,7 @@ class _Search:
         refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
         found = Found(site, hypotheses, refined, float(np.clip(BAND * refined.scatter, *TOLERANCE)))
         check(found.placed, site, found.tolerance)
+        _check_rise(refined)
         return found
 
     def _settled(self, one: Found, region: Region) -> bool:
@@ -203,6 +206,24 @@ def check(placed: Placed, site: Site, tolerance: float) -> None:
         raise NoVaultError(
             f"no vault found: the best model, a {vault.title}, explains {share:.0%} of what hangs over its springing; "
             "crop the scan to one vaulted bay"
+        )
+
+
+def _check_rise(refined: Refined) -> None:
+    """Refuse a low vault whose rise may as well be none.
+
+    Raises:
+        NoVaultError: it may.
+    """
+    vault, plan = refined.placed.vault, refined.placed.vault.plan
+    rise = vault.derived_values()["rise"]
+    if rise > LOW * 2 * min(plan.half_x, plan.half_y):
+        return
+    solution = refined.loose
+    std = covariance(solution, refined.points).std(slopes_of_sizes(solution)["rise"])
+    if std > rise:
+        raise NoVaultError(
+            f"no vault found: the best model, a {vault.title}, rises {rise:.2f} ± {std:.2f} m: the ceiling may be level"
         )
 
 
