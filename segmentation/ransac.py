@@ -6,19 +6,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.labelling import label_points, regions
 from segmentation.primitives import PRIMITIVES, Primitive
-from segmentation.ransac_choice import select
+from segmentation.ransac_choice import select, without_surplus
 from segmentation.ransac_cloud import WorkingCloud, working_cloud
+from segmentation.ransac_flat import bowed, flattened, squares
 from segmentation.ransac_joint import refine_jointly
 from segmentation.ransac_labels import sharpened
 from segmentation.ransac_search import DRAWS, EMPTY, Shapes, draws_needed, gaps, search_round, won
-from segmentation.settings import Settings
+from segmentation.settings import Search, Settings
 from segmentation.split import split
 
 Floats = NDArray[np.float64]
@@ -77,12 +78,12 @@ def detect(
     if normals is not None and normals.shape != xyz.shape:
         raise ValueError(f"normals have shape {normals.shape}, xyz has {xyz.shape}: give one normal a point or none")
     wanted, rng = settings or Settings(), rng or np.random.default_rng(0)
-    settings = replace(wanted, primitives=tuple({"plane": None, **dict.fromkeys(wanted.primitives)}))
     tell = progress or (lambda stage, shapes: None)
     tell("thinning", 0)
-    cloud = working_cloud(np.ascontiguousarray(xyz), normals, settings)
+    cloud = working_cloud(np.ascontiguousarray(xyz), normals, wanted)
     if cloud is None:
-        return Segments((), np.zeros(len(xyz), dtype=np.uint16), settings.epsilon or 0.0)
+        return Segments((), np.zeros(len(xyz), dtype=np.uint16), wanted.epsilon or 0.0)
+    settings = Search.of(wanted, cloud.extent)
     shapes = _find(cloud, settings, rng, tell)
     tell("refinement", len(shapes))
     shapes, labels, noise = sharpened(shapes, cloud, settings)
@@ -90,14 +91,16 @@ def detect(
     tell("labelling", len(shapes))
     found = regions(cloud, labels, components, shapes)
     point_labels, count, square = label_points(xyz, cloud, shapes, found, components, noise)
-    kept = np.isin(shapes.kinds[found.owner], wanted.kinds) if len(shapes) else np.zeros(1, dtype=np.bool_)
+    told = flattened(shapes, cloud, labels)
+    square = squares(xyz, point_labels, found.owner, shapes, told, square)
+    kept = np.isin(told.kinds[found.owner], wanted.kinds) if len(told) else np.zeros(1, dtype=np.bool_)
     kept &= count >= cloud.min_points
     kept[0] = False
     number = np.where(kept, np.cumsum(kept), 0).astype(np.uint16)
     segments = tuple(
         Segment(
             int(number[i]),
-            PRIMITIVES[shapes.kinds[p]].from_row(shapes.rows[p]),
+            PRIMITIVES[told.kinds[p]].from_row(told.rows[p]),
             int(count[i]),
             math.sqrt(square[i] / max(count[i], 1)),
         )
@@ -107,7 +110,7 @@ def detect(
     return Segments(segments, point_labels if kept[1:].all() else number[point_labels], cloud.epsilon)
 
 
-def _find(cloud: WorkingCloud, settings: Settings, rng: np.random.Generator, tell: Progress) -> Shapes:
+def _find(cloud: WorkingCloud, settings: Search, rng: np.random.Generator, tell: Progress) -> Shapes:
     """Rounds of search among what is unexplained, each kept if it lowers the global criterion after joint refinement
     and choice.
     """
@@ -133,10 +136,11 @@ def _find(cloud: WorkingCloud, settings: Settings, rng: np.random.Generator, tel
         else:
             futile += 1
     shapes, _ = refine_jointly(shapes, cloud.mean, cloud.normal, cloud.epsilon, settings)
-    return select(shapes, cloud, cloud.epsilon, price, settings, last=True)
+    shapes = select(shapes, cloud, cloud.epsilon, price, settings, last=True)
+    return without_surplus(bowed(shapes, cloud, settings), cloud, settings)
 
 
-def _unexplained(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> Ints:
+def _unexplained(shapes: Shapes, cloud: WorkingCloud, settings: Search) -> Ints:
     """Cells that no primitive explains, and that are no edge of one: there, neither the mean nor an estimated normal is
     on a surface.
     """

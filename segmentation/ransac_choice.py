@@ -6,7 +6,7 @@ simplified. Source: Isack and Boykov 2012, "Energy-Based Geometric Multi-model F
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +26,7 @@ from segmentation.ransac_search import (
     support,
     through,
 )
-from segmentation.settings import Settings
+from segmentation.settings import Search
 
 CHOICE_POINTS = 6000
 SIMPLER = 0.02  # share of what a primitive explains that one with fewer parameters may leave
@@ -39,7 +39,7 @@ TRIALS = 64  # minimal sets that look for a simpler primitive
 
 
 def select(
-    shapes: Shapes, cloud: WorkingCloud, epsilon: float, price: float, settings: Settings, last: bool = False
+    shapes: Shapes, cloud: WorkingCloud, epsilon: float, price: float, settings: Search, last: bool = False
 ) -> Shapes:
     """Drop, simplify and merge while that lowers the cells left unexplained plus `price` for each primitive.
 
@@ -57,6 +57,20 @@ def select(
                 break
         else:
             break
+    return judged.shapes
+
+
+def without_surplus(shapes: Shapes, cloud: WorkingCloud, settings: Search) -> Shapes:
+    """Drop what the others explain as well by distance alone: fillets that the normals estimated at edges make."""
+    blind = replace(settings, alpha=math.pi / 2)
+    choice = _Choice(cloud.mean, cloud.normal, cloud.epsilon, cloud.price, blind)
+    judged = choice.judged(shapes)
+    while len(judged.shapes) > 1:
+        loss = choice.losses(judged)
+        worst = int(np.argmin(loss))
+        if loss[worst] >= cloud.price:
+            break
+        judged = judged.without(worst)
     return judged.shapes
 
 
@@ -106,7 +120,7 @@ class _Choice:
     normals: Floats
     epsilon: float
     price: float
-    settings: Settings
+    settings: Search
 
     def judged(self, shapes: Shapes) -> _Judged:
         """The primitives with what the criterion asks of them."""
@@ -115,10 +129,14 @@ class _Choice:
     def _support(self, shapes: Shapes, where: Ints | slice) -> Floats:
         return support(shapes, self.xyz[where], self.normals[where], self.epsilon, math.cos(self.settings.alpha))
 
+    def losses(self, now: _Judged) -> Floats:
+        """What each primitive (k,) explains that the others do not."""
+        (first, _, _), share = now.best
+        return np.asarray(np.bincount(first, share[0] - share[1], len(now.shapes)), dtype=np.float64)
+
     def dropped(self, now: _Judged) -> _Judged | None:
         """Without the primitive that adds least to the others, where that is less than its price or its own share."""
-        (first, _, _), share = now.best
-        loss = np.bincount(first, share[0] - share[1], len(now.shapes))
+        loss, share = self.losses(now), now.best[1]
         nearest = np.argmin(np.where(now.share > 0.0, now.gap, math.inf), axis=0)
         near = np.bincount(nearest[share[0] > 0.0], minlength=len(now.shapes))
         excess = loss - np.maximum(self.price, OWN * near)
@@ -136,7 +154,7 @@ class _Choice:
             theirs = np.flatnonzero((now.share[i] > 0.0) & (now.share[i] >= rest) & known)
             before, rest = now.share[i, theirs].sum(), rest[theirs]
             loss = SIMPLER * max(before - rest.sum(), self.price)
-            for kind in (k for k in self.settings.kinds if k < shape):
+            for kind in (k for k in self.settings.drawn if k < shape):
                 simple = self._drawn(kind, theirs)
                 after = np.maximum(rest, self._support(simple, theirs)).sum(axis=1)
                 if len(simple) and after.max() > before - loss:
@@ -172,7 +190,7 @@ class _Choice:
             rest = now.rest(i, j)[theirs]
             before = np.maximum(rest, now.share[[i, j]][:, theirs].max(axis=0)).sum()
             loss = max(self.price, SIMPLER * (before - rest.sum()))
-            for kind in (k for k in self.settings.kinds if k != now.shapes.kinds[i]):
+            for kind in (k for k in self.settings.drawn if k != now.shapes.kinds[i]):
                 other = self._drawn(kind, theirs)
                 after = np.maximum(rest, self._support(other, theirs)).sum(axis=1)
                 if len(other) and after.max() > before - loss:

@@ -34,6 +34,7 @@ class WorkingCloud:
     mean: (m, 3) means [m], sagitta and noise averaged. raw: (m, 3) one true point of each. normal: (m, 3) unit, NaN
     where unknown. count: (m,) points. cell: (m, 3) grid coordinates. code: (m,) Morton codes, ascending. size: edge of
     a cell [m]. tail, head: (e,) edges of the graph of touching cells, both directions, ascending by tail.
+    extent: diagonal [m] of the cloud, outliers aside.
     """
 
     mean: Floats
@@ -45,6 +46,7 @@ class WorkingCloud:
     size: float
     tail: Ints
     head: Ints
+    extent: float
     epsilon: float
     min_points: int
 
@@ -87,7 +89,18 @@ def working_cloud(
     normal = _normals(mean, None if normals is None else normals[thinned.first[order]])
     epsilon = settings.epsilon or max(MISFIT * extent, NOISE_BAND * _noise(mean, raw, normal, tail, head), 1e-6)
     return WorkingCloud(
-        mean, raw, normal, count, cell, code, size, tail, head, epsilon, settings.min_points(int(count.sum()))
+        mean,
+        raw,
+        normal,
+        count,
+        cell,
+        code,
+        size,
+        tail,
+        head,
+        extent,
+        epsilon,
+        settings.min_points(int(count.sum())),
     )
 
 

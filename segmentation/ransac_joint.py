@@ -6,17 +6,26 @@ import numpy as np
 
 from segmentation.ransac_search import Floats, Ints, Shapes, Won, sizes_of, spread, won
 from segmentation.refine import Samples, least_squares
-from segmentation.settings import Settings
+from segmentation.settings import Search
 
 ROUNDS = 30
+HELD = np.empty(0, dtype=np.int64)
 FIT_POINTS = 8000  # points that decide the primitives; the labels are for all
 
 
 def refine_jointly(
-    shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, settings: Settings, rounds: int = ROUNDS
+    shapes: Shapes,
+    xyz: Floats,
+    normals: Floats,
+    epsilon: float,
+    settings: Search,
+    rounds: int = ROUNDS,
+    held: Ints = HELD,
 ) -> tuple[Shapes, Ints]:
-    """The primitives fitted to the points (n, 3) each wins, and the labels (n,), -1 for points that none explains."""
-    cos_alpha, sizes = math.cos(settings.alpha), sizes_of(shapes.kinds, settings)
+    """The primitives fitted to the points (n, 3) each wins, but those held, and the labels (n,), -1 for points that
+    none explains.
+    """
+    cos_alpha, sizes = math.cos(settings.alpha), sizes_of(shapes, settings)
     some = spread(len(xyz), FIT_POINTS)
     sample, directions, labels = xyz[some], normals[some], np.full(len(some), -1)
     for _ in range(rounds if len(shapes) else 0):
@@ -24,7 +33,9 @@ def refine_jointly(
         if (new.labels == labels).all():
             break
         labels = new.labels
-        shapes = Shapes(shapes.kinds, _fit_to_won(shapes, sample, new, sizes))
+        rows = _fit_to_won(shapes, sample, new, sizes)
+        rows[held] = shapes.rows[held]
+        shapes = Shapes(shapes.kinds, rows)
     return shapes, won(shapes, xyz, normals, epsilon, cos_alpha).labels
 
 

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.ransac_cloud import WorkingCloud
+from segmentation.ransac_flat import bows_of
 from segmentation.ransac_joint import refine_jointly
 from segmentation.ransac_search import Shapes, gaps, support, won
-from segmentation.settings import Settings
+from segmentation.settings import Search
 from segmentation.split import connected
 
 Floats = NDArray[np.float64]
@@ -18,19 +19,21 @@ COARSE = 0.05  # of a cell: noise above this harms more than the corners that me
 SWEEPS = 30  # cells that a label may run along an edge
 
 
-def sharpened(shapes: Shapes, cloud: WorkingCloud, settings: Settings) -> tuple[Shapes, Ints, float]:
+def sharpened(shapes: Shapes, cloud: WorkingCloud, settings: Search) -> tuple[Shapes, Ints, float]:
     """Joint refinement on true points in ever narrower bands, down to their noise; labels (m,) of the cells; the noise.
 
-    Where two primitives touch without crossing, a wide band leaves it open which one a point belongs to.
+    Where two primitives touch without crossing, a wide band leaves it open which one a point belongs to. The bows of
+    walls stay as the wide band has them: a wall may be out by more than its noise.
     """
     epsilon, extent = cloud.epsilon, float(np.ptp(cloud.raw, axis=0).max())
     shapes, labels = refine_jointly(shapes, cloud.raw, cloud.normal, epsilon, settings)
+    bows = bows_of(shapes, cloud, labels)
     while len(shapes) and (labels >= 0).any():
         narrower = max(2.0 * _noise(shapes, labels, cloud), 1e-4 * extent, epsilon / 4.0)
         if narrower > 0.7 * epsilon:
             break
         epsilon = narrower
-        shapes, _ = refine_jointly(shapes, cloud.raw, cloud.normal, epsilon, settings)
+        shapes, _ = refine_jointly(shapes, cloud.raw, cloud.normal, epsilon, settings, held=bows)
         labels = won(shapes, cloud.raw, cloud.normal, cloud.epsilon, math.cos(settings.alpha)).labels
     if len(shapes) == 0:
         return shapes, labels, 0.0
@@ -77,7 +80,7 @@ def _settled(shapes: Shapes, labels: Ints, cloud: WorkingCloud, judges: Floats, 
     return labels
 
 
-def _absorbed(shapes: Shapes, labels: Ints, cloud: WorkingCloud, epsilon: float, settings: Settings) -> Ints:
+def _absorbed(shapes: Shapes, labels: Ints, cloud: WorkingCloud, epsilon: float, settings: Search) -> Ints:
     """Labels after regions that are not worth a primitive's price went to the primitives that explain them as well.
 
     The far side of a barrel's cylinder may touch the floor, and a dome's sphere cuts through the walls: no parts of

@@ -19,7 +19,7 @@ from segmentation import primitives_numeric as numeric
 from segmentation.primitives_sample import MINIMAL_SETS
 from segmentation.ransac_cloud import WorkingCloud
 from segmentation.refine import Samples, least_squares
-from segmentation.settings import Settings
+from segmentation.settings import Search
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -108,13 +108,17 @@ def spread(count: int, wanted: int) -> Ints:
     return np.arange(count) if count <= wanted else (np.arange(wanted) * count) // wanted
 
 
-def sizes_of(kinds: Ints, settings: Settings) -> Floats:
+def sizes_of(shapes: Shapes, settings: Search) -> Floats:
     """Bounds of the first sizes, (k, 2)."""
-    return np.array([settings.size_limits(int(kind)) for kind in kinds]).reshape(-1, 2)
+    bounds = np.empty((len(shapes), 2))
+    for kind in np.unique(shapes.kinds):
+        theirs = shapes.kinds == kind
+        bounds[theirs] = settings.bounds(int(kind), shapes.rows[theirs, 6])
+    return bounds
 
 
 def search_round(
-    cloud: WorkingCloud, active: Ints, epsilon: float, floor: float, settings: Settings, rng: np.random.Generator
+    cloud: WorkingCloud, active: Ints, epsilon: float, floor: float, settings: Search, rng: np.random.Generator
 ) -> Shapes:
     """Primitives that each explain more than `floor` of the cells `active` (a,), ascending, which nothing else
     explains.
@@ -164,11 +168,11 @@ def greedy(share: Floats, floor: float, most: int) -> Ints:
     return np.array(chosen, dtype=np.int64)
 
 
-def polish(shapes: Shapes, xyz: Floats, normals: Floats, owner: Ints, epsilon: float, settings: Settings) -> Shapes:
+def polish(shapes: Shapes, xyz: Floats, normals: Floats, owner: Ints, epsilon: float, settings: Search) -> Shapes:
     """Robust least squares (Tukey's weights, twice) on points (t, 3), each for the primitive `owner` (t,), within
     epsilon and alpha.
     """
-    sizes, cos_alpha = sizes_of(shapes.kinds, settings), math.cos(settings.alpha)
+    sizes, cos_alpha = sizes_of(shapes, settings), math.cos(settings.alpha)
     for _ in range(2):
         weights = np.empty(len(owner))
         numeric.tukey(shapes.kinds, shapes.rows, xyz, normals, owner, epsilon, cos_alpha, weights)
@@ -177,13 +181,13 @@ def polish(shapes: Shapes, xyz: Floats, normals: Floats, owner: Ints, epsilon: f
     return shapes
 
 
-def polish_on_all(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, settings: Settings) -> Shapes:
+def polish_on_all(shapes: Shapes, xyz: Floats, normals: Floats, epsilon: float, settings: Search) -> Shapes:
     """The same where every primitive sees all points (n, 3)."""
     copies, owner = (len(shapes), 1), np.repeat(np.arange(len(shapes)), len(xyz))
     return polish(shapes, np.tile(xyz, copies), np.tile(normals, copies), owner, epsilon, settings)
 
 
-def _draw(cloud: WorkingCloud, active: Ints, settings: Settings, rng: np.random.Generator) -> Shapes:
+def _draw(cloud: WorkingCloud, active: Ints, settings: Search, rng: np.random.Generator) -> Shapes:
     """Primitives through minimal sets, each within one octree cell of random level, seeds stratified over the active
     cells.
     """
@@ -193,7 +197,7 @@ def _draw(cloud: WorkingCloud, active: Ints, settings: Settings, rng: np.random.
     code = cloud.code[active]
     levels = max(3, math.ceil(math.log2(int(cloud.cell.max()) + 1)))
     found = Shapes(*EMPTY)
-    for kind in settings.kinds:
+    for kind in settings.drawn:
         seed = np.minimum(
             ((np.arange(DRAWS) + rng.random(DRAWS)) * len(active) / DRAWS).astype(np.int64), len(active) - 1
         )
@@ -208,12 +212,12 @@ def _draw(cloud: WorkingCloud, active: Ints, settings: Settings, rng: np.random.
     return found
 
 
-def through(kind: int, xyz: Floats, normals: Floats, settings: Settings) -> Shapes:
+def through(kind: int, xyz: Floats, normals: Floats, settings: Search) -> Shapes:
     """The primitives of a kind through minimal sets (s, size, 3), without the degenerate and those well beyond the size
     limits.
     """
     rows, whole = MINIMAL_SETS[kind].rows(xyz, normals)
-    low, high = settings.size_limits(kind)
+    low, high = settings.bounds(kind, rows[:, 6]).T
     whole &= (rows[:, 6] >= 0.9 * low) & (rows[:, 6] <= 1.1 * high)  # least squares brings the size within its limits
     return Shapes(np.full(int(whole.sum()), kind), rows[whole])
 

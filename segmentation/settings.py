@@ -4,9 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import Annotated, get_args, get_type_hints
+from itertools import pairwise
+from typing import Annotated, Self, get_args, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
 
 NAMES = ("plane", "sphere", "cylinder", "cone", "torus")  # the index is the kind of `primitives_numeric`
+BOWS = (1, 2)  # kinds that a wall follows as it bellies, both ways or one way
+FLAT = 0.16  # [rad] that a wall's normals may turn: a sagitta of 1/50 of its length. The flattest vaults turn by 0.3
+STRAIGHT = 1e4  # radii of bows: beyond, nothing curves, and distances are lost to rounding
 
 
 @dataclass(frozen=True)
@@ -78,6 +85,46 @@ class Settings:
     def min_points(self, points: int) -> int:
         """Minimum support in points, of a cloud of so many points."""
         return max(1, math.ceil(self.min_support * points if self.min_support < 1.0 else self.min_support))
+
+
+@dataclass(frozen=True)
+class Search(Settings):
+    """What is looked for so that what the settings want is found: planes always, and walls that belly.
+
+    Such a wall is no plane within epsilon, but a sphere or cylinder of `bow_r` [m] at least, on which nothing in the
+    cloud turns by more than `FLAT`. It is that whatever the limits of radii, and even where spheres and cylinders are
+    off.
+    """
+
+    bow_r: float = math.inf
+
+    @classmethod
+    def of(cls, wanted: Settings, extent: float) -> Self:
+        """The search for those settings in a cloud of that extent [m]."""
+        given = {field.name: getattr(wanted, field.name) for field in fields(wanted)}
+        kinds = tuple({"plane": None, **dict.fromkeys(wanted.primitives)})
+        return cls(**{**given, "primitives": kinds, "bow_r": extent / FLAT})
+
+    @property
+    def drawn(self) -> tuple[int, ...]:
+        """The kinds that minimal sets are drawn of, ascending: those that are on, and those of walls that belly."""
+        return tuple(sorted({*self.kinds, *BOWS}))
+
+    def bounds(self, kind: int, sizes: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The interval (k, 2) that the first size (k,) of each primitive of a kind is to stay in: the nearest of
+        them.
+        """
+        low, high = self.size_limits(kind)
+        bows = [(self.bow_r, math.inf)]
+        if kind not in BOWS:
+            intervals = [(low, high)]
+        elif kind not in self.kinds:
+            intervals = bows
+        else:
+            intervals = [(low, high), *bows] if high < self.bow_r else [(min(low, self.bow_r), math.inf)]
+        between = [(lower[1] + upper[0]) / 2.0 for lower, upper in pairwise(intervals)]
+        ends: NDArray[np.float64] = np.minimum(np.array(intervals), STRAIGHT * self.bow_r)
+        return ends[np.searchsorted(between, sizes)]
 
 
 CONE_ANGLES = (math.radians(2.0), math.radians(88.0))  # a narrower cone is a cylinder, a wider one a plane
