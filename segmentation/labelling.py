@@ -23,7 +23,7 @@ CANDIDATES = 6  # components that may meet within one cell and its neighbours
 REACH = 3  # cells that a component may run on beyond the cells that are mostly its own: its slivers
 ONE_SIDED = 0.9  # share of a primitive's cells on one side of another from which the two are known to bound each other
 TANGENT = 0.9  # cosine between the normals of primitives that touch rather than cross
-_BITS = 21
+BITS = 21
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,9 +133,9 @@ def label_points(
     lattice = np.floor(cloud.raw * (1 / cloud.size)).astype(np.int64)
     low = lattice.min(axis=0)
     lattice -= low
-    keys = (lattice[:, 0] << 2 * _BITS) | (lattice[:, 1] << _BITS) | lattice[:, 2]
+    keys = (lattice[:, 0] << 2 * BITS) | (lattice[:, 1] << BITS) | lattice[:, 2]
     table = np.full(1 << (2 * len(keys)).bit_length(), -1, dtype=np.int32)
-    _index(keys, table)
+    index_keys(keys, table)
     ends = np.searchsorted(cloud.tail, np.arange(len(cloud) + 1))
     labels = np.zeros(len(xyz), dtype=np.uint16)
     width = len(found.owner)
@@ -157,7 +157,7 @@ def label_points(
 
 
 @njit(cache=True, nogil=True)
-def _slot(table: NDArray[np.int32], keys: Ints, key: np.int64) -> np.int64:
+def slot_of(table: NDArray[np.int32], keys: Ints, key: np.int64) -> np.int64:
     """Where the key stands in the open-addressed table, or would."""
     mask = len(table) - 1
     slot = np.int64((np.uint64(key) * np.uint64(0x9E3779B97F4A7C15)) >> np.uint64(32)) & mask
@@ -167,9 +167,10 @@ def _slot(table: NDArray[np.int32], keys: Ints, key: np.int64) -> np.int64:
 
 
 @njit(cache=True, nogil=True)
-def _index(keys: Ints, table: NDArray[np.int32]) -> None:
+def index_keys(keys: Ints, table: NDArray[np.int32]) -> None:
+    """Put every key into the open-addressed table."""
     for i in range(len(keys)):
-        table[_slot(table, keys, keys[i])] = i
+        table[slot_of(table, keys, keys[i])] = i
 
 
 @njit(cache=True, nogil=True)
@@ -189,11 +190,11 @@ def _label(
             np.int64(math.floor(y * scale)) - low[1],
             np.int64(math.floor(z * scale)) - low[2],
         )
-        if kx < 0 or ky < 0 or kz < 0 or max(kx, ky, kz) >= 1 << _BITS:
+        if kx < 0 or ky < 0 or kz < 0 or max(kx, ky, kz) >= 1 << BITS:
             continue
-        key = (kx << (2 * _BITS)) | (ky << _BITS) | kz
+        key = (kx << (2 * BITS)) | (ky << BITS) | kz
         if key != last:
-            cell = np.int64(table[_slot(table, keys, key)])
+            cell = np.int64(table[slot_of(table, keys, key)])
             last = key
         if cell < 0:
             continue

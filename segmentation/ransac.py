@@ -87,7 +87,7 @@ def detect(
     shapes = _find(cloud, settings, rng, tell)
     tell("refinement", len(shapes))
     shapes, labels, noise = sharpened(shapes, cloud, settings)
-    components = split(cloud, labels)
+    components = split(xyz, cloud, shapes, labels, noise)
     tell("labelling", len(shapes))
     found = regions(cloud, labels, components, shapes)
     point_labels, count, square = label_points(xyz, cloud, shapes, found, components, noise)

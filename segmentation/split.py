@@ -11,6 +11,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from segmentation.ransac_cloud import WorkingCloud
+from segmentation.ransac_necks import Necks
+from segmentation.ransac_search import Shapes
 
 Ints = NDArray[np.int64]
 
@@ -21,11 +23,12 @@ NECK = 0.7  # contact of two cores from which they are one: over the root of the
 SMALLEST_CORE = 0.25  # of the minimum support; a smaller core grows out of its neighbours again
 
 
-def split(cloud: WorkingCloud, labels: Ints) -> Ints:
+def split(xyz: NDArray[np.floating], cloud: WorkingCloud, shapes: Shapes, labels: Ints, noise: float) -> Ints:
     """Components (m,) of the cells, 0 for none, counted by the primitives `labels` (m,), -1 for none, in ascending
     order.
 
-    A component has the minimum support; what is near none that has, is 0.
+    A component has the minimum support; what is near none that has, is 0. What a strip joins is one: 0.05 m wide, or
+    five times the spacing of the points xyz (n, 3) [m] where that is more.
     """
     same = labels[cloud.tail] == labels[cloud.head]
     boundary = ~same & (labels[cloud.tail] >= 0) & (labels[cloud.head] >= 0)
@@ -36,6 +39,8 @@ def split(cloud: WorkingCloud, labels: Ints) -> Ints:
         taken[cloud.tail[same & taken[cloud.head]]] = True
     cores = _components(cloud, labels, inside & ~taken, SMALLEST_CORE * cloud.min_points)
     grown = _rejoined(cloud, labels, cores, _grow(cloud, labels, cores))
+    necks = Necks(xyz, cloud, shapes, labels, cores, grown, MARGIN, noise).strips()
+    grown = _united(grown, *necks.T)
     rest = inside & (grown == 0)
     extra = _components(cloud, labels, rest, cloud.min_points)
     grown = np.where(extra > 0, extra + grown.max(initial=0), grown)
@@ -124,7 +129,12 @@ def _rejoined(cloud: WorkingCloud, labels: Ints, cores: Ints, grown: Ints) -> In
     one, other = pair // width, pair % width
     smaller = np.where(cells[one] < cells[other], one, other)
     front = contact >= NECK * core[smaller] / np.sqrt(cells[smaller])
-    one, other = one[front], other[front]
+    return _united(grown, one[front], other[front])
+
+
+def _united(grown: Ints, one: Ints, other: Ints) -> Ints:
+    """Components after those of each pair became one."""
+    width = int(grown.max(initial=0)) + 1
     graph = csr_array((np.ones(len(one), dtype=np.int8), (one, other)), shape=(width, width))
     _, joined = connected_components(graph, directed=False)
     return np.asarray(joined, dtype=np.int64)[grown]

@@ -1,0 +1,231 @@
+"""Necks: whether two regions of one primitive that meet hang together by a strip, or touch in a point or a line.
+
+Cells are too coarse to tell: two of them on either side of a neck are all of it. So the points of the full cloud decide
+around each contact, those that are clear of every other primitive's intersection curve with theirs: in a strip they
+lead from one region to the other, in a point they do not.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from segmentation.labelling import BITS, index_keys, slot_of
+from segmentation.primitives_numeric import gradients
+from segmentation.ransac_cloud import WorkingCloud
+from segmentation.ransac_search import Floats, Ints, Shapes
+
+Mask = NDArray[np.bool_]
+
+CLEAR = 0.010  # [m] from a curve to the points that may lead through a neck: 0.03 m of one of 0.05 m
+CLEAR_SPACINGS = 1.5  # the same in spacings of the points: a neck of fewer than about five is not seen
+STEP = 1.9  # clearances from point to point; those on either side of a crossing are two apart at least
+HOPS = 48  # cells from where two regions meet to the core of either: half of the longest strip
+
+
+@dataclass(frozen=True, eq=False)
+class Necks:
+    """What tells strips from points: shapes, labels (m,) of the cells, regions (m,) of each primitive and their cores.
+
+    `cores` (m,) are the cells further than `reach` cells from other primitives. What lies within `noise` [m] of two
+    primitives is on neither.
+    """
+
+    xyz: NDArray[np.floating]
+    cloud: WorkingCloud
+    shapes: Shapes
+    labels: Ints
+    cores: Ints
+    regions: Ints
+    reach: int
+    noise: float
+
+    def strips(self) -> Ints:
+        """Pairs (p, 2) of regions that a strip joins: 0.05 m wide, or five spacings where the points are sparse."""
+        contacts = list(self._contacts())
+        if not contacts:
+            return np.empty((0, 2), dtype=np.int64)
+        zone = np.unique(np.concatenate([cells for _, cells in contacts]))
+        owner = np.full(len(self.cloud), -1, dtype=np.int64)
+        owner[zone] = np.arange(len(zone))
+        point, cell = self._points(zone)
+        order = np.argsort(cell, kind="stable")
+        point, ends = point[order], np.searchsorted(cell[order], np.arange(len(zone) + 1))
+        found = []
+        for pair, cells in contacts:
+            runs = [point[ends[z] : ends[z + 1]] for z in owner[cells]]
+            where = np.repeat(cells, [len(run) for run in runs])
+            if self._passable(np.asarray(self.xyz[np.concatenate(runs)], dtype=np.float64), where, pair):
+                found.append(pair)
+        return np.array(found, dtype=np.int64).reshape(-1, 2)
+
+    def _contacts(self) -> Iterator[tuple[tuple[int, int], Ints]]:
+        """Each place where two regions of a primitive meet: the two, and the cells around up to their cores."""
+        tail, head, regions = self.cloud.tail, self.cloud.head, self.regions
+        same = self.labels[tail] == self.labels[head]
+        met = same & (regions[tail] < regions[head]) & (regions[tail] > 0)
+        if not met.any():
+            return
+        kin = tail[same], head[same]
+        for one, other in np.unique(np.stack((regions[tail[met]], regions[head[met]]), axis=1), axis=0).tolist():
+            mine = met & (regions[tail] == one) & (regions[head] == other)
+            cells = np.unique(np.concatenate((tail[mine], head[mine])))
+            inside = np.isin(tail, cells) & np.isin(head, cells) & same
+            number = np.zeros(len(self.cloud), dtype=np.int64)
+            number[cells] = np.arange(len(cells))
+            pairs = number[tail[inside]], number[head[inside]]
+            graph = csr_array((np.ones(len(pairs[0]), dtype=np.int8), pairs), shape=(len(cells), len(cells)))
+            count, place = connected_components(graph, directed=False)
+            for k in range(count):
+                around = self._around(cells[place == k], one, other, kin)
+                if around is not None:
+                    yield (one, other), around
+
+    def _around(self, cells: Ints, one: int, other: int, kin: tuple[Ints, Ints]) -> Ints | None:
+        """The cells around, of the two regions out to a little of either's core, and those next to them; None where one
+        has no core near.
+        """
+        tail, head = kin
+        two = np.isin(self.regions, (one, other))
+        inside = np.zeros(len(self.cloud), dtype=np.bool_)
+        inside[cells] = True
+        for _ in range(HOPS):
+            if all((inside & (self.cores > 0) & (self.regions == region)).any() for region in (one, other)):
+                inside[self.cloud.head[inside[self.cloud.tail]]] = True
+                return np.flatnonzero(inside)
+            grown = inside.copy()
+            grown[head[inside[tail]]] = True
+            grown &= two
+            if (grown == inside).all():
+                return None
+            inside = grown
+        return None
+
+    def _points(self, zone: Ints) -> tuple[Ints, Ints]:
+        """The points (p,) of the cloud that lie in cells of the zone (z,), and the cell (p,) in the zone of each."""
+        size, cell = self.cloud.size, self.cloud.cell[zone]
+        low = cell.min(axis=0)
+        cell = cell - low
+        span = cell.max(axis=0) + 1
+        keys = (cell[:, 0] << 2 * BITS) | (cell[:, 1] << BITS) | cell[:, 2]
+        table = np.full(1 << (2 * len(keys)).bit_length(), -1, dtype=np.int32)
+        index_keys(keys, table)
+        base = np.floor(self.cloud.raw[zone[0]] * (1 / size)) - cell[0]
+        place = np.empty(len(self.xyz), dtype=np.int32)
+        number = _find_points(self.xyz, 1 / size, base, span, keys, table, place)
+        point = np.flatnonzero(place >= 0)
+        return point[:number], place[point[:number]].astype(np.int64)
+
+    def _passable(self, xyz: Floats, cell: Ints, pair: tuple[int, int]) -> bool:
+        """Whether points (p, 3) in cells (p,) lead from core to core, clear of other primitives' curves by `CLEAR`."""
+        cells = np.unique(cell)
+        k = int(self.labels[cells[self.regions[cells] == pair[0]][0]])
+        spacing = self.cloud.size / math.sqrt(
+            1.5 * float(np.median(self.cloud.count[cells]))
+        )  # 1.5 cells meet a square
+        clear = max(CLEAR, CLEAR_SPACINGS * spacing)
+        gap, normal = self._gradients(k, xyz)
+        free = np.abs(gap) <= self.cloud.epsilon
+        for other in self._neighbours(cells, k):
+            distance, direction = self._gradients(other, xyz)
+            away = np.abs(distance) - np.abs(gap)
+            sine = np.sqrt(np.maximum(1.0 - np.einsum("ij,ij->i", normal, direction) ** 2, 1e-12))
+            close = np.flatnonzero(free & (away <= np.maximum(clear * sine, self.noise)))
+            theirs = (away < -self.noise) & (np.abs(distance) <= self.cloud.epsilon)
+            far = 2.0 * np.maximum(clear, self.noise / sine[close]) + 2.0 * spacing
+            free[close] = ~self._beside(xyz[close], cell[close], far, xyz[theirs], other)
+        passing = np.flatnonzero(free)
+        if len(passing) == 0:
+            return False
+        passing = passing[np.argsort(xyz[passing, axis := int(np.argmax(np.ptp(xyz, axis=0)))], kind="stable")]
+        root = _linked(xyz[passing], axis, STEP * clear)
+        core = self.cores[cell[passing]] > 0
+        region = self.regions[cell[passing]]
+        ends = (root[core & (region == side)] for side in pair)
+        return bool(np.intersect1d(*ends).size)
+
+    def _beside(self, xyz: Floats, cell: Ints, far: Floats, theirs: Floats, other: int) -> Mask:
+        """Which points (c, 3) on another primitive's surface have points (t, 3) of its own within `far` (c,) [m].
+
+        Elsewhere its surface goes on without it. Where `far` is out of reach, the cells tell.
+        """
+        around: Mask = self.labels == other
+        for _ in range(self.reach):
+            around[self.cloud.tail[around[self.cloud.head]]] = True
+        beside: Mask = around[cell]
+        told = beside & (far < self.reach * self.cloud.size)
+        if told.any():
+            beside[told] = False
+            if len(theirs):
+                beside[told] = cKDTree(theirs).query(xyz[told])[0] < far[told]
+        return beside
+
+    def _neighbours(self, cells: Ints, k: int) -> Ints:
+        """The other primitives next to cells (z,), within reach."""
+        near: Mask = np.zeros(len(self.cloud), dtype=np.bool_)
+        near[cells] = True
+        for _ in range(self.reach):
+            near[self.cloud.tail[near[self.cloud.head]]] = True
+        found: Ints = np.unique(self.labels[near])
+        others: Ints = found[(found >= 0) & (found != k)]
+        return others
+
+    def _gradients(self, k: int, xyz: Floats) -> tuple[Floats, Floats]:
+        """Signed distances (p,) [m] of points (p, 3) from a primitive, and its normals there (p, 3)."""
+        distance, normal = np.empty(len(xyz)), np.empty((len(xyz), 3))
+        gradients(int(self.shapes.kinds[k]), self.shapes.rows[k], xyz, distance, normal)
+        return distance, normal
+
+
+@njit(cache=True, nogil=True)
+def _find_points(
+    xyz: NDArray[np.floating],
+    scale: float,
+    base: Floats,
+    span: Ints,
+    keys: Ints,
+    table: NDArray[np.int32],
+    place: NDArray[np.int32],
+) -> int:
+    """Where the cell of each point (n, 3) stands among the keys, -1 for none, into `place` (n,); how many have one."""
+    number = 0
+    for i in range(len(xyz)):
+        place[i] = -1
+        x = math.floor(xyz[i, 0] * scale) - base[0]
+        if not 0 <= x < span[0]:
+            continue
+        y, z = math.floor(xyz[i, 1] * scale) - base[1], math.floor(xyz[i, 2] * scale) - base[2]
+        if not (0 <= y < span[1] and 0 <= z < span[2]):
+            continue
+        key = (np.int64(x) << (2 * BITS)) | (np.int64(y) << BITS) | np.int64(z)
+        place[i] = table[slot_of(table, keys, key)]
+        number += place[i] >= 0
+    return number
+
+
+@njit(cache=True, nogil=True)
+def _linked(xyz: Floats, axis: int, step: float) -> Ints:
+    """The cluster of each point (p, 3), ascending along an axis, where points nearer than `step` [m] are linked."""
+    root = np.arange(len(xyz))
+    for i in range(len(xyz)):
+        j = i - 1
+        while j >= 0 and xyz[i, axis] - xyz[j, axis] < step:
+            dx, dy, dz = xyz[i, 0] - xyz[j, 0], xyz[i, 1] - xyz[j, 1], xyz[i, 2] - xyz[j, 2]
+            if dx * dx + dy * dy + dz * dz < step * step:
+                a, b = i, j
+                while root[a] != a:
+                    a = root[a]
+                while root[b] != b:
+                    b = root[b]
+                root[max(a, b)] = min(a, b)
+                root[i] = min(a, b)
+            j -= 1
+    for i in range(len(xyz)):
+        root[i] = root[root[i]]
+    return root
