@@ -58,7 +58,7 @@ def regions(cloud: WorkingCloud, labels: Ints, components: Ints, shapes: Shapes)
         new[cell[near], component[near]] = True
         new &= ~may
         may |= new
-        cell, component = _around(cloud, *np.nonzero(new))
+        cell, component = neighbours(cloud, *np.nonzero(new))
     cell, component = np.nonzero(may)
     rank = np.arange(len(cell)) - np.searchsorted(cell, cell)
     kept = rank < CANDIDATES
@@ -68,7 +68,7 @@ def regions(cloud: WorkingCloud, labels: Ints, components: Ints, shapes: Shapes)
     return Regions(candidates, owner, side, _turns(cloud, labels, shapes, side))
 
 
-def _around(cloud: WorkingCloud, cell: Ints, component: Ints) -> tuple[Ints, Ints]:
+def neighbours(cloud: WorkingCloud, cell: Ints, component: Ints) -> tuple[Ints, Ints]:
     """The neighbours of cells (p,), each with its cell's component."""
     low, high = np.searchsorted(cloud.tail, cell), np.searchsorted(cloud.tail, cell + 1)
     number = high - low

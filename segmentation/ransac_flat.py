@@ -15,7 +15,7 @@ from segmentation.ransac_search import EMPTY, Floats, Ints, Shapes, gaps, polish
 from segmentation.settings import FLAT, Search
 
 LEAST = 20  # cells that tell how something bows
-FIT_POINTS = 2000  # cells that decide it
+FIT_POINTS = 1000  # cells that decide it
 FLATTEST = 1e-3  # extents of the cloud over radius from which a bow counts as a plane
 WIDE = 3.0  # bands within which a bow is fitted: its pieces may be out by more than one
 BETTER = 0.7  # rms of a bow over that of the plane, from which the wall bellies
@@ -97,8 +97,10 @@ def _bows(cloud: WorkingCloud, cells: Ints, settings: Search) -> Shapes:
         row[:3], row[6] = middle + offset * frame[:, 2] + math.copysign(r, curvature) * normal, r
     rows[1, 3:6] = axis
     shapes = Shapes(np.array([SPHERE, CYLINDER]), rows)
+    close = (gaps(shapes, xyz) ** 2).mean(axis=1) < cloud.epsilon**2
+    shapes = shapes.take(close & np.array([is_flat(shapes, k, xyz) for k in range(2)]))
     shapes = polish_on_all(shapes, xyz, np.full_like(xyz, np.nan), WIDE * cloud.epsilon, settings)
-    return shapes.take(np.array([is_flat(shapes, k, xyz) for k in range(2)]))
+    return shapes.take(np.array([is_flat(shapes, k, xyz) for k in range(len(shapes))], dtype=np.bool_))
 
 
 def flattened(shapes: Shapes, cloud: WorkingCloud, labels: Ints) -> Shapes:

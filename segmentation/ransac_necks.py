@@ -6,17 +6,17 @@ lead from one region to the other, in a point they do not.
 """
 
 import math
+import os
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from segmentation.labelling import BITS, index_keys, slot_of
+from segmentation.labelling import BITS, CHUNK, index_keys, neighbours, slot_of
 from segmentation.primitives_numeric import gradients
 from segmentation.ransac_cloud import WorkingCloud
 from segmentation.ransac_search import Floats, Ints, Shapes
@@ -24,8 +24,9 @@ from segmentation.ransac_search import Floats, Ints, Shapes
 Mask = NDArray[np.bool_]
 
 CLEAR = 0.010  # [m] from a curve to the points that may lead through a neck: 0.03 m of one of 0.05 m
-CLEAR_SPACINGS = 1.5  # the same in spacings of the points: a neck of fewer than about five is not seen
-STEP = 1.9  # clearances from point to point; those on either side of a crossing are two apart at least
+CLEAR_SPACINGS = 1.2  # the same in spacings of the points: a neck of fewer than about five is not seen
+STEP = 2.2  # clearances from point to point. Across a right-angled crossing they are 2.8 apart, 2.3 in a web of 120°
+CELLS_A_SQUARE = 1.5  # that a slanting surface meets
 HOPS = 48  # cells from where two regions meet to the core of either: half of the longest strip
 
 
@@ -68,44 +69,39 @@ class Necks:
     def _contacts(self) -> Iterator[tuple[tuple[int, int], Ints]]:
         """Each place where two regions of a primitive meet: the two, and the cells around up to their cores."""
         tail, head, regions = self.cloud.tail, self.cloud.head, self.regions
-        same = self.labels[tail] == self.labels[head]
-        met = same & (regions[tail] < regions[head]) & (regions[tail] > 0)
-        if not met.any():
-            return
-        kin = tail[same], head[same]
-        for one, other in np.unique(np.stack((regions[tail[met]], regions[head[met]]), axis=1), axis=0).tolist():
-            mine = met & (regions[tail] == one) & (regions[head] == other)
-            cells = np.unique(np.concatenate((tail[mine], head[mine])))
-            inside = np.isin(tail, cells) & np.isin(head, cells) & same
-            number = np.zeros(len(self.cloud), dtype=np.int64)
-            number[cells] = np.arange(len(cells))
-            pairs = number[tail[inside]], number[head[inside]]
-            graph = csr_array((np.ones(len(pairs[0]), dtype=np.int8), pairs), shape=(len(cells), len(cells)))
-            count, place = connected_components(graph, directed=False)
-            for k in range(count):
-                around = self._around(cells[place == k], one, other, kin)
+        met = np.flatnonzero((regions[tail] < regions[head]) & (regions[tail] > 0))
+        met = met[self.labels[tail[met]] == self.labels[head[met]]]
+        one, other = regions[tail[met]], regions[head[met]]
+        for pair in np.unique(np.stack((one, other), axis=1), axis=0).tolist():
+            mine = met[(one == pair[0]) & (other == pair[1])]
+            left = np.unique(np.concatenate((tail[mine], head[mine])))
+            while len(left):
+                place = left[:1]
+                while len(more := np.intersect1d(self._next_to(place), left)) > len(place):
+                    place = more
+                left = np.setdiff1d(left, place)
+                around = self._around(place, pair)
                 if around is not None:
-                    yield (one, other), around
+                    yield (pair[0], pair[1]), around
 
-    def _around(self, cells: Ints, one: int, other: int, kin: tuple[Ints, Ints]) -> Ints | None:
+    def _around(self, cells: Ints, pair: list[int]) -> Ints | None:
         """The cells around, of the two regions out to a little of either's core, and those next to them; None where one
         has no core near.
         """
-        tail, head = kin
-        two = np.isin(self.regions, (one, other))
-        inside = np.zeros(len(self.cloud), dtype=np.bool_)
-        inside[cells] = True
         for _ in range(HOPS):
-            if all((inside & (self.cores > 0) & (self.regions == region)).any() for region in (one, other)):
-                inside[self.cloud.head[inside[self.cloud.tail]]] = True
-                return np.flatnonzero(inside)
-            grown = inside.copy()
-            grown[head[inside[tail]]] = True
-            grown &= two
-            if (grown == inside).all():
+            core = self.regions[cells[self.cores[cells] > 0]]
+            if all((core == region).any() for region in pair):
+                return self._next_to(cells)
+            grown = self._next_to(cells)
+            grown = grown[np.isin(self.regions[grown], pair)]
+            if len(grown) == len(cells):
                 return None
-            inside = grown
+            cells = grown
         return None
+
+    def _next_to(self, cells: Ints) -> Ints:
+        """The cells (z,), ascending, and those that touch them."""
+        return np.union1d(cells, neighbours(self.cloud, cells, cells)[0])
 
     def _points(self, zone: Ints) -> tuple[Ints, Ints]:
         """The points (p,) of the cloud that lie in cells of the zone (z,), and the cell (p,) in the zone of each."""
@@ -118,28 +114,37 @@ class Necks:
         index_keys(keys, table)
         base = np.floor(self.cloud.raw[zone[0]] * (1 / size)) - cell[0]
         place = np.empty(len(self.xyz), dtype=np.int32)
-        number = _find_points(self.xyz, 1 / size, base, span, keys, table, place)
+        starts = range(0, len(self.xyz), CHUNK)
+
+        def work(start: int) -> None:
+            part = slice(start, start + CHUNK)
+            _find_points(self.xyz[part], 1 / size, base, span, keys, table, place[part])
+
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(work, starts))
         point = np.flatnonzero(place >= 0)
-        return point[:number], place[point[:number]].astype(np.int64)
+        return point, place[point].astype(np.int64)
 
     def _passable(self, xyz: Floats, cell: Ints, pair: tuple[int, int]) -> bool:
         """Whether points (p, 3) in cells (p,) lead from core to core, clear of other primitives' curves by `CLEAR`."""
         cells = np.unique(cell)
         k = int(self.labels[cells[self.regions[cells] == pair[0]][0]])
-        spacing = self.cloud.size / math.sqrt(
-            1.5 * float(np.median(self.cloud.count[cells]))
-        )  # 1.5 cells meet a square
+        spacing = self.cloud.size / math.sqrt(CELLS_A_SQUARE * float(np.median(self.cloud.count[cells])))
         clear = max(CLEAR, CLEAR_SPACINGS * spacing)
         gap, normal = self._gradients(k, xyz)
         free = np.abs(gap) <= self.cloud.epsilon
-        for other in self._neighbours(cells, k):
+        around = cells
+        for _ in range(self.reach):
+            around = self._next_to(around)
+        for other in np.setdiff1d(self.labels[around], [-1, k]):
             distance, direction = self._gradients(other, xyz)
             away = np.abs(distance) - np.abs(gap)
             sine = np.sqrt(np.maximum(1.0 - np.einsum("ij,ij->i", normal, direction) ** 2, 1e-12))
             close = np.flatnonzero(free & (away <= np.maximum(clear * sine, self.noise)))
             theirs = (away < -self.noise) & (np.abs(distance) <= self.cloud.epsilon)
+            held = around[self.labels[around] == other]
             far = 2.0 * np.maximum(clear, self.noise / sine[close]) + 2.0 * spacing
-            free[close] = ~self._beside(xyz[close], cell[close], far, xyz[theirs], other)
+            free[close] = ~self._beside(xyz[close], cell[close], far, xyz[theirs], held)
         passing = np.flatnonzero(free)
         if len(passing) == 0:
             return False
@@ -150,31 +155,22 @@ class Necks:
         ends = (root[core & (region == side)] for side in pair)
         return bool(np.intersect1d(*ends).size)
 
-    def _beside(self, xyz: Floats, cell: Ints, far: Floats, theirs: Floats, other: int) -> Mask:
+    def _beside(self, xyz: Floats, cell: Ints, far: Floats, theirs: Floats, held: Ints) -> Mask:
         """Which points (c, 3) on another primitive's surface have points (t, 3) of its own within `far` (c,) [m].
 
-        Elsewhere its surface goes on without it. Where `far` is out of reach, the cells tell.
+        Elsewhere its surface goes on without it. Where `far` is out of reach, its cells `held` tell.
         """
-        around: Mask = self.labels == other
         for _ in range(self.reach):
-            around[self.cloud.tail[around[self.cloud.head]]] = True
-        beside: Mask = around[cell]
+            held = self._next_to(held)
+        beside: Mask = np.isin(cell, held)
         told = beside & (far < self.reach * self.cloud.size)
         if told.any():
             beside[told] = False
             if len(theirs):
-                beside[told] = cKDTree(theirs).query(xyz[told])[0] < far[told]
+                beside[told] = (
+                    cKDTree(theirs).query(xyz[told], distance_upper_bound=float(far[told].max()))[0] < far[told]
+                )
         return beside
-
-    def _neighbours(self, cells: Ints, k: int) -> Ints:
-        """The other primitives next to cells (z,), within reach."""
-        near: Mask = np.zeros(len(self.cloud), dtype=np.bool_)
-        near[cells] = True
-        for _ in range(self.reach):
-            near[self.cloud.tail[near[self.cloud.head]]] = True
-        found: Ints = np.unique(self.labels[near])
-        others: Ints = found[(found >= 0) & (found != k)]
-        return others
 
     def _gradients(self, k: int, xyz: Floats) -> tuple[Floats, Floats]:
         """Signed distances (p,) [m] of points (p, 3) from a primitive, and its normals there (p, 3)."""
@@ -192,9 +188,8 @@ def _find_points(
     keys: Ints,
     table: NDArray[np.int32],
     place: NDArray[np.int32],
-) -> int:
-    """Where the cell of each point (n, 3) stands among the keys, -1 for none, into `place` (n,); how many have one."""
-    number = 0
+) -> None:
+    """Where the cell of each point (n, 3) stands among the keys, -1 for none, into `place` (n,)."""
     for i in range(len(xyz)):
         place[i] = -1
         x = math.floor(xyz[i, 0] * scale) - base[0]
@@ -205,8 +200,6 @@ def _find_points(
             continue
         key = (np.int64(x) << (2 * BITS)) | (np.int64(y) << BITS) | np.int64(z)
         place[i] = table[slot_of(table, keys, key)]
-        number += place[i] >= 0
-    return number
 
 
 @njit(cache=True, nogil=True)
