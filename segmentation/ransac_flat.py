@@ -31,11 +31,12 @@ def bowed(shapes: Shapes, cloud: WorkingCloud, settings: Search) -> Shapes:
     labels = won(now, cloud.mean, cloud.normal, cloud.epsilon, cos_alpha).labels
     for k in np.flatnonzero(shapes.kinds == PLANE):
         mine = np.flatnonzero(labels == k)
-        bows = _bows(cloud, mine, settings)
+        plane = _rms(shapes.take(np.array([k])), cloud.mean[mine])[0] if len(mine) else 0.0
+        bows = _bows(cloud, mine, BETTER * plane, settings)
         if len(bows):
-            rms = np.sqrt((gaps(bows.joined(shapes.take(np.array([k]))), cloud.mean[mine]) ** 2).mean(axis=1))
-            best = int(np.argmin(rms[:-1]))
-            if rms[best] < BETTER * rms[-1]:
+            rms = _rms(bows, cloud.mean[mine])
+            best = int(np.argmin(rms))
+            if rms[best] < BETTER * plane:
                 now = Shapes(now.kinds.copy(), now.rows.copy())
                 now.kinds[k], now.rows[k] = bows.kinds[best], bows.rows[best]
     while True:
@@ -63,15 +64,20 @@ def _merged(shapes: Shapes, cloud: WorkingCloud, settings: Search) -> Shapes | N
         rest = np.delete(np.arange(len(shapes)), (i, j))
         others = share[rest].max(axis=0, initial=0.0)
         before = np.maximum(others, share[[i, j]].max(axis=0)).sum()
-        trial = _bows(cloud, both, settings)
+        trial = _bows(cloud, both, cloud.epsilon, settings)
         after = np.maximum(others, support(trial, cloud.mean, cloud.normal, cloud.epsilon, cos_alpha)).sum(axis=1)
         if len(trial) and after.max() > before - max(cloud.price, MISSED * len(both)):
             return shapes.take(rest).joined(trial.take(np.array([int(np.argmax(after))])))
     return None
 
 
-def _bows(cloud: WorkingCloud, cells: Ints, settings: Search) -> Shapes:
-    """The sphere and the cylinder that fit so many cells best, where they are flat.
+def _rms(shapes: Shapes, xyz: Floats) -> Floats:
+    """Root mean square distances (k,) [m] of points (n, 3)."""
+    return np.asarray(np.sqrt((gaps(shapes, xyz) ** 2).mean(axis=1)), dtype=np.float64)
+
+
+def _bows(cloud: WorkingCloud, cells: Ints, rms: float, settings: Search) -> Shapes:
+    """The sphere and the cylinder that fit so many cells best, where they are flat and fit to some `rms` [m].
 
     They start from the quadratic height over the cells' plane. Its curvatures are small, so that least squares ends
     where it starts but for the bounds of the radii.
@@ -97,7 +103,7 @@ def _bows(cloud: WorkingCloud, cells: Ints, settings: Search) -> Shapes:
         row[:3], row[6] = middle + offset * frame[:, 2] + math.copysign(r, curvature) * normal, r
     rows[1, 3:6] = axis
     shapes = Shapes(np.array([SPHERE, CYLINDER]), rows)
-    close = (gaps(shapes, xyz) ** 2).mean(axis=1) < cloud.epsilon**2
+    close = _rms(shapes, xyz) < rms
     shapes = shapes.take(close & np.array([is_flat(shapes, k, xyz) for k in range(2)]))
     shapes = polish_on_all(shapes, xyz, np.full_like(xyz, np.nan), WIDE * cloud.epsilon, settings)
     return shapes.take(np.array([is_flat(shapes, k, xyz) for k in range(len(shapes))], dtype=np.bool_))
