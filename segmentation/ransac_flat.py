@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.primitives_numeric import CYLINDER, PLANE, SPHERE, gradients
-from segmentation.ransac_cloud import WorkingCloud
+from segmentation.ransac_cloud import MISFIT, WorkingCloud
 from segmentation.ransac_search import EMPTY, Floats, Ints, Shapes, gaps, polish_on_all, spread, support, won
 from segmentation.settings import FLAT, Search
 
@@ -58,14 +58,15 @@ def _merged(shapes: Shapes, cloud: WorkingCloud, settings: Search) -> Shapes | N
     touch = (one >= 0) & (one < other)
     touch[touch] = flat[one[touch]] | flat[other[touch]]
     pairs, contact = np.unique(np.stack((one[touch], other[touch]), axis=1), axis=0, return_counts=True)
-    share = support(shapes, cloud.mean, cloud.normal, cloud.epsilon, cos_alpha)
+    band = max(cloud.epsilon, MISFIT * cloud.extent)  # a wall is out by its misfit, whatever epsilon is asked for
+    share = support(shapes, cloud.mean, cloud.normal, band, cos_alpha)
     for i, j in pairs[np.argsort(-contact, kind="stable")]:
         both = np.sort(np.concatenate((cells[i], cells[j])))
         rest = np.delete(np.arange(len(shapes)), (i, j))
         others = share[rest].max(axis=0, initial=0.0)
         before = np.maximum(others, share[[i, j]].max(axis=0)).sum()
-        trial = _bows(cloud, both, cloud.epsilon, settings)
-        after = np.maximum(others, support(trial, cloud.mean, cloud.normal, cloud.epsilon, cos_alpha)).sum(axis=1)
+        trial = _bows(cloud, both, band, settings)
+        after = np.maximum(others, support(trial, cloud.mean, cloud.normal, band, cos_alpha)).sum(axis=1)
         if len(trial) and after.max() > before - max(cloud.price, MISSED * len(both)):
             return shapes.take(rest).joined(trial.take(np.array([int(np.argmax(after))])))
     return None
@@ -105,7 +106,7 @@ def _bows(cloud: WorkingCloud, cells: Ints, rms: float, settings: Search) -> Sha
     shapes = Shapes(np.array([SPHERE, CYLINDER]), rows)
     close = _rms(shapes, xyz) < rms
     shapes = shapes.take(close & np.array([is_flat(shapes, k, xyz) for k in range(2)]))
-    shapes = polish_on_all(shapes, xyz, np.full_like(xyz, np.nan), WIDE * cloud.epsilon, settings)
+    shapes = polish_on_all(shapes, xyz, np.full_like(xyz, np.nan), WIDE * max(cloud.epsilon, rms), settings)
     return shapes.take(np.array([is_flat(shapes, k, xyz) for k in range(len(shapes))], dtype=np.bool_))
 
 

@@ -6,7 +6,7 @@ import pytest
 from families import Barrel, Sail
 from families.profiles import Segmental
 from families.sampling import sample
-from segmentation import Settings, compare, detect
+from segmentation import PRESETS, Settings, compare, detect
 
 LIMITS = {
     "automatic": Settings(),
@@ -51,6 +51,13 @@ def test_a_wall_that_bellies_is_one_plane(size, bulge, limits):
         found = detect(xyz, normals if given else None, LIMITS[limits], np.random.default_rng(seed))
         assert [s.primitive.name for s in found.shapes] == ["plane"] * 6
         assert compare(found.labels, truth).least_iou > 0.95
+
+
+@pytest.mark.parametrize("bulge", BULGES)
+def test_a_wall_that_bellies_by_more_than_epsilon_is_one_plane_too(bulge):
+    xyz, _, _ = room(ROOMS["usual"], bulge, 0.03, 0.003)
+    found = detect(xyz, settings=PRESETS["mirror-real"])  # epsilon 0.010 m
+    assert [s.primitive.name for s in found.shapes] == ["plane"] * 6
 
 
 def test_the_plane_of_a_wall_is_that_of_least_squares_and_the_rms_is_from_it():
