@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.labelling import label_points, regions
+from segmentation.notes import Note
 from segmentation.primitives import PRIMITIVES, Primitive
 from segmentation.ransac_choice import select, without_surplus
 from segmentation.ransac_cloud import WorkingCloud, working_cloud
@@ -44,13 +45,15 @@ class Segment:
 
 @dataclass(frozen=True, eq=False)
 class Segments:
-    """What was found: segments with ids 1, 2, …, and the labels (n,) of all points, 0 for none. epsilon [m] is the one
-    used.
+    """What was found: segments with ids 1, 2, …, and the labels (n,) of all points, 0 for none.
+
+    epsilon: the one used [m]. notes: on normals that were given and are of no use.
     """
 
     shapes: tuple[Segment, ...]
     labels: NDArray[np.uint16]
     epsilon: float
+    notes: tuple[Note, ...] = ()
 
     def __len__(self) -> int:
         return len(self.shapes)
@@ -63,8 +66,10 @@ def detect(
     rng: np.random.Generator | None = None,
     progress: Progress | None = None,
 ) -> Segments:
-    """Segment points (n, 3) [m] into components of primitives; unit normals (n, 3) of any sign are estimated where not
-    given.
+    """Segment points (n, 3) [m] into components of primitives.
+
+    normals: (n, 3) of any sign; estimated where there are none, or they are of no use: zero, all the same, or others
+    than the surface's.
 
     Planes compete even where they are off, or walls would pass as strips of the cylinders that they touch; their points
     then get label 0, as do those that are not finite. `progress(stage, shapes)` is told each stage and the primitives
@@ -107,7 +112,8 @@ def detect(
         for i, p in enumerate(found.owner)
         if kept[i]
     )
-    return Segments(segments, point_labels if kept[1:].all() else number[point_labels], cloud.epsilon)
+    notes = () if cloud.note is None else (cloud.note,)
+    return Segments(segments, point_labels if kept[1:].all() else number[point_labels], cloud.epsilon, notes)
 
 
 def _find(cloud: WorkingCloud, settings: Search, rng: np.random.Generator, tell: Progress) -> Shapes:

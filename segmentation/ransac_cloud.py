@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from segmentation.notes import Note
 from segmentation.settings import Settings
 from segmentation.voxel import thin
 
@@ -15,6 +16,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 TARGET = 24_000  # cells aimed at: small parts keep hundreds of points, and a pass over all takes a millisecond
+MOST_CELLS = 1 << 20  # along an axis, whatever stray points there are; the grid can number twice as many
 PROBE = 40_000  # points that the first look at the cloud takes
 NORMAL_NEIGHBOURS = 12
 NEIGHBOURS = 3  # cells of a surface touch so many others at least, or one that does; strays and lines do not
@@ -34,7 +36,7 @@ class WorkingCloud:
     mean: (m, 3) means [m], sagitta and noise averaged. raw: (m, 3) one true point of each. normal: (m, 3) unit, NaN
     where unknown. count: (m,) points. cell: (m, 3) grid coordinates. code: (m,) Morton codes, ascending. size: edge of
     a cell [m]. tail, head: (e,) edges of the graph of touching cells, both directions, ascending by tail.
-    extent: diagonal [m] of the cloud, outliers aside.
+    extent: diagonal [m] of the cloud, outliers aside. note: what was wrong with the normals that were given.
     """
 
     mean: Floats
@@ -49,6 +51,7 @@ class WorkingCloud:
     extent: float
     epsilon: float
     min_points: int
+    note: Note | None = None
 
     def __len__(self) -> int:
         return len(self.mean)
@@ -68,6 +71,7 @@ def working_cloud(
     if len(probe) < 4:
         return None
     size, extent = _cell_size(probe, len(xyz), settings)
+    size = max(size, _longest(xyz) / MOST_CELLS)
     thinned = thin(xyz, size)
     if len(thinned) < 4:
         return None
@@ -86,7 +90,7 @@ def working_cloud(
     tail, head = number[tail[joined]], number[head[joined]]
     mean, raw = np.asarray(thinned.xyz[order], dtype=np.float64), raw[order]
     cell, code, count = cell[order], code[order], thinned.count[order]
-    normal = _normals(mean, None if normals is None else normals[thinned.first[order]])
+    normal, note = _normals(mean, None if normals is None else normals[thinned.first[order]])
     epsilon = settings.epsilon or max(MISFIT * extent, NOISE_BAND * _noise(mean, raw, normal, tail, head), 1e-6)
     return WorkingCloud(
         mean,
@@ -101,6 +105,7 @@ def working_cloud(
         extent,
         epsilon,
         settings.min_points(int(count.sum())),
+        note,
     )
 
 
@@ -123,6 +128,18 @@ def _cell_size(probe: Floats, points: int, settings: Settings) -> tuple[float, f
     return max(wanted, 2.0 * spacing, extent * 1e-4), extent
 
 
+def _longest(xyz: NDArray[np.floating]) -> float:
+    """Extent [m] along the axis of the largest, of points (n, 3) of which some may not be finite."""
+    spans = [0.0]
+    for column in xyz.T:
+        low, high = float(column.min()), float(column.max())
+        if not math.isfinite(high - low):
+            finite = column[np.isfinite(column)]
+            low, high = float(finite.min(initial=0.0)), float(finite.max(initial=0.0))
+        spans.append(high - low)
+    return max(spans)
+
+
 def _noise(mean: Floats, raw: Floats, normal: Floats, tail: Ints, head: Ints) -> float:
     """Standard deviation [m] of true points from the surface, by the median.
 
@@ -141,15 +158,15 @@ def _noise(mean: Floats, raw: Floats, normal: Floats, tail: Ints, head: Ints) ->
     return 1.4826 * float(np.median(rough)) if len(rough) else 0.0
 
 
-def _normals(mean: Floats, given: NDArray[np.floating] | None) -> Floats:
-    """Unit normals of the cells, the given ones or estimated; NaN where unknown."""
-    if given is None:
-        from segmentation.normals import estimate
+def _normals(mean: Floats, given: NDArray[np.floating] | None) -> tuple[Floats, Note | None]:
+    """Unit normals of the cells, the given ones if they are of use, or estimated, NaN where unknown; what was wrong."""
+    from segmentation.given_normals import usable
+    from segmentation.normals import estimate
 
-        return np.asarray(estimate(mean, NORMAL_NEIGHBOURS), dtype=np.float64)
-    normal = np.asarray(given, dtype=np.float64)
-    length = np.sqrt((normal**2).sum(axis=1))[:, None]
-    return normal / np.where(length > 0.0, length, np.nan)
+    normal, note = (None, None) if given is None else usable(mean, given)
+    if normal is None:
+        normal = np.asarray(estimate(mean, NORMAL_NEIGHBOURS), dtype=np.float64)
+    return normal, note
 
 
 def _morton(cell: Ints) -> Ints:

@@ -80,7 +80,7 @@ def segment(
             write_labelled(scan, out, cloud, extra, progress=bar.share)
         else:
             write(out, cloud.whole(), spread_all(cloud, extra))
-    show_notes(cloud.notes)
+    show_notes([*cloud.notes, *found.notes])
     rows = [
         (
             str(s.id),
