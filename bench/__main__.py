@@ -7,7 +7,7 @@ import os
 import platform
 from datetime import date
 
-from bench import cost, rooms, shapes, uncertainty, workbench
+from bench import barren, cost, rooms, shapes, uncertainty, workbench
 from bench.peers import table as peers
 
 BENCHMARKS = {
@@ -15,6 +15,7 @@ BENCHMARKS = {
     "cost": cost.run,
     "peers": peers.run,
     "rooms": rooms.run,
+    "barren": barren.run,
     "uncertainty": uncertainty.run,
     "workbench": workbench.run,
 }
@@ -29,6 +30,7 @@ def main() -> None:
     cost.options(parser)
     peers.options(parser)
     rooms.options(parser)
+    barren.options(parser)
     uncertainty.options(parser)
     chosen = parser.parse_args()
     unknown = sorted(set(chosen.names) - set(BENCHMARKS))

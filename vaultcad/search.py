@@ -15,29 +15,22 @@ from vaultcad.bays import Ceiling, Region
 from vaultcad.errors import NoVaultError
 from vaultcad.freedom import NONE, Demands
 from vaultcad.label import label
+from vaultcad.no_vault import check
 from vaultcad.recognise import Hypothesis, recognise
 from vaultcad.refine import Refined, refine
-from vaultcad.site import STEEP, Site, Thin, find_site
+from vaultcad.site import Site, Thin, find_site
 from vaultcad.solve import Placed
-from vaultcad.uncertainty import covariance, slopes_of_sizes
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 TOLERANCE = (0.03, 0.12)  # m, limits of the band that a vault's points lie in
 BAND = 4.0  # that band in scatters of the fit
-EXPLAINED = 0.65  # share of what hangs over the springing that a vault must explain
-ALIGNED = 0.8  # cosine between the normals of scan and model where a point is explained
-MOST, LEVEL = (0.1, 0.9), 0.02  # most of a ceiling, and its rise / shorter side below which it is level
-FLAT = 0.05  # rise / shorter side of the plan below which a ceiling is no vault
-ROUGH = 0.02, 0.006  # m, and share of its rise or half span, that the stone of a vault is off it at most (rms)
 NARROW = 0.9  # m, span of a part of a scan that is rather an arch, or nothing
-LOW = 0.15  # rise / shorter side below which a rise has to be known
-VAGUE = 0.1  # rms / rise from which on a model says nothing
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 HIGH = 0.93  # crown of lunettes / crown of their barrel from which on they may be groin vaults in a row
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
-FILLED = 0.4  # share of a bay's plan that its vault must be seen on
+FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
 
 
 @dataclass(frozen=True)
@@ -114,8 +107,12 @@ class _Search:
         short = 2 * min(vault.plan.half_x, vault.plan.half_y)
         if part and short < NARROW:
             raise NoVaultError(f"no vault found: a {vault.title} of {short:.1f} m is an arch, if anything")
-        if part and seen < FILLED * 4 * vault.plan.half_x * vault.plan.half_y:
-            raise NoVaultError(f"no vault found: {seen:.1f} m² of a {vault.title} are too little of it")
+        area = 4 * vault.plan.half_x * vault.plan.half_y
+        if seen < (FILLED if part else PARTLY) * area:
+            raise NoVaultError(
+                f"no vault found: {seen:.1f} m² of a {vault.title} are too little of its {area:.1f} m²; "
+                "scan all of it, or crop to one bay"
+            )
         return found
 
     def _without_arches(self, region: Region) -> Found:
@@ -149,8 +146,7 @@ class _Search:
         hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
         refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
         found = Found(site, hypotheses, refined, float(np.clip(BAND * refined.scatter, *TOLERANCE)))
-        check(found.placed, site, found.tolerance)
-        _check_rise(refined)
+        check(refined, site, found.tolerance)
         return found
 
     def _settled(self, one: Found, region: Region) -> bool:
@@ -172,74 +168,3 @@ def _in_a_row(found: Found) -> bool:
         and vault.count > 1
         and vault.lunette_springing + vault.lunette_rise > HIGH * vault.rise
     )
-
-
-def on_vault(placed: Placed, points: Array, normals: Array, tolerance: float) -> Mask:
-    """Which points (n, 3) with normals (n, 3) are nearer than `tolerance` [m] to a vault and face as it does."""
-    surface = placed.vault.evaluate(points, frame=placed.pose.frame(), walls=True)
-    along = np.abs(np.einsum("nc,nc->n", surface.normal, normals))
-    near: Mask = (np.abs(surface.distance) < tolerance) & (along > ALIGNED) & (surface.component > 0)
-    return near
-
-
-def check(placed: Placed, site: Site, tolerance: float) -> None:
-    """Refuse what is no vault.
-
-    Raises:
-        NoVaultError: a flat ceiling, or a model that most of what hangs over its springing is far from.
-    """
-    vault, plan = placed.vault, placed.vault.plan
-    local = site.points @ placed.pose.frame()[:, :3].T + placed.pose.frame()[:, 3]
-    inside = (np.abs(local[:, 0]) < plan.half_x) & (np.abs(local[:, 1]) < plan.half_y)
-    above = inside & (local[:, 2] > 0) & (np.abs(site.normals[:, 2]) > STEEP)
-    rise, short = vault.derived_values()["rise"], 2 * min(plan.half_x, plan.half_y)
-    spread = float(np.ptp(np.quantile(local[above, 2], MOST))) if above.any() else 0.0
-    if rise < FLAT * short or spread < LEVEL * short:
-        raise NoVaultError(
-            f"no vault found: the best model rises {rise:.2f} m, most of the ceiling {spread:.2f} m, which is flat; "
-            "crop the scan to one bay"
-        )
-    on = on_vault(placed, site.points[above], site.normals[above], tolerance) if above.any() else above[:0]
-    _check_smooth(placed, site.points[above][on], rise, short)
-    share = float(on.mean()) if len(on) else 0.0
-    if share < EXPLAINED:
-        raise NoVaultError(
-            f"no vault found: the best model, a {vault.title}, explains {share:.0%} of what hangs over its springing; "
-            "crop the scan to one vaulted bay"
-        )
-
-
-def _check_rise(refined: Refined) -> None:
-    """Refuse a low vault whose rise may as well be none.
-
-    Raises:
-        NoVaultError: it may.
-    """
-    vault, plan = refined.placed.vault, refined.placed.vault.plan
-    rise = vault.derived_values()["rise"]
-    if rise > LOW * 2 * min(plan.half_x, plan.half_y):
-        return
-    solution = refined.loose
-    std = covariance(solution, refined.points).std(slopes_of_sizes(solution)["rise"])
-    if std > rise:
-        raise NoVaultError(
-            f"no vault found: the best model, a {vault.title}, rises {rise:.2f} ± {std:.2f} m: the ceiling may be level"
-        )
-
-
-def _check_smooth(placed: Placed, points: Array, rise: float, short: float) -> None:
-    """Refuse a model that its own points (n, 3) [m] are too far from: masonry settles, but is smooth.
-
-    rise, short: of the model, and the shorter side of its plan [m].
-
-    Raises:
-        NoVaultError: they are.
-    """
-    if len(points) == 0:
-        return
-    rms = float(np.sqrt(np.mean(placed.distance(points) ** 2)))
-    if rms > min(ROUGH[0] + ROUGH[1] * min(rise, short / 2), VAGUE * rise):
-        raise NoVaultError(
-            f"no vault found: the surface is {100 * rms:.1f} cm off the best model, a {placed.vault.title} that rises "
-            f"{rise:.2f} m; that is too rough for a vault"
-        )

@@ -10,7 +10,8 @@ import numpy as np
 from families import FAMILIES, Vault
 from segmentation.cloud import AXES, Cloud, Up, stood_up, turn
 from vaultcad.errors import NoVaultError
-from vaultcad.search import Found, find_vaults, on_vault
+from vaultcad.no_vault import on_vault
+from vaultcad.search import Found, find_vaults
 from vaultcad.site import Thin, thin_scan
 
 

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from families import FAMILIES, Dome, Sail, Trough, Vault
+from families import FAMILIES, Barrel, Dome, Sail, Trough, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
 from vaultcad.pipeline import Settings, fit_scan
+from vaultcad.scanner.barren import SCENES, draw_barren
 
 Points = NDArray[np.float64]
 
@@ -61,3 +62,34 @@ def test_what_is_no_vault_is_refused(scene: Callable[[np.random.Generator], Poin
     xyz += 0.002 * rng.standard_normal(xyz.shape)
     with pytest.raises(NoVaultError, match="no vault found"):
         fit_scan(Cloud(xyz.astype(np.float32)), Settings(families=(family,)))
+
+
+@pytest.mark.parametrize(
+    ("kind", "seed"), [("facade", 508), ("facade", 518), ("roof", 517), ("office", 510), ("corridor", 10)]
+)
+def test_scenes_that_were_taken_for_vaults_are_refused(kind: str, seed: int) -> None:
+    xyz = draw_barren(kind, np.random.default_rng(seed), 60_000)
+    with pytest.raises(NoVaultError, match="no vault found"):
+        fit_scan(Cloud(xyz.astype(np.float32)))
+
+
+def test_every_kind_of_scene_can_be_drawn() -> None:
+    for kind in SCENES:
+        xyz = draw_barren(kind, np.random.default_rng(3), 4000)
+        assert len(xyz) == pytest.approx(4000, rel=0.35), kind
+        assert np.isfinite(xyz).all()
+        again = draw_barren(kind, np.random.default_rng(3), 4000)
+        assert xyz.tobytes() == again.tobytes()
+
+
+def test_a_surface_that_is_rough_or_level_is_named() -> None:
+    rng = np.random.default_rng(0)
+    vault = Barrel(4.0, 6.0)
+    walls = np.concatenate(
+        [[s * 2.0, y, z] for s in (-1, 1) for y in np.arange(-3, 3, 0.1) for z in np.arange(-2, 0, 0.1)]
+    )
+    rough = vault.sample(12_000, rng).xyz
+    rough = rough + 0.06 * rng.standard_normal((len(rough), 1)) * [0, 0, 1]
+    cloud = Cloud(np.concatenate([rough, walls.reshape(-1, 3)]).astype(np.float32))
+    with pytest.raises(NoVaultError, match=r"too rough for a vault|explains"):
+        fit_scan(cloud, Settings(families=(Barrel,)))
