@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import cos, sin, sqrt
+from math import cos, hypot, sin, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -18,23 +18,54 @@ from segmentation.notes import Note
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a vault stands in the scan's local frame: its origin [m], and its x axis turned by `yaw` about z [rad]."""
+    """Where a vault stands in the scan's local frame: its origin [m], and its x axis turned by `yaw` about z [rad].
+
+    lean: rotation vector about the scan's x and y axes [rad] by which all of it then leans with the scan.
+    """
 
     x: float
     y: float
     z: float
     yaw: float
+    lean: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def tilt(self) -> float:
+        """Of its vertical from the scan's [rad]."""
+        return hypot(*self.lean)
+
+    def _turn(self) -> NDArray[np.float64]:
+        """(3, 3): brings directions of the vault's frame into the scan's."""
+        c, s = cos(self.yaw), sin(self.yaw)
+        turn: NDArray[np.float64] = tilted(self.lean) @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        return turn
 
     def frame(self) -> NDArray[np.float64]:
         """(3, 4): brings points of the scan's local frame into the vault's."""
-        c, s = cos(self.yaw), sin(self.yaw)
-        turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        turn = self._turn().T
         return np.column_stack([turn, -turn @ [self.x, self.y, self.z]])
 
     def placement(self) -> NDArray[np.float64]:
         """(4, 4): brings points of the vault's frame into the scan's local frame."""
-        c, s = cos(self.yaw), sin(self.yaw)
-        return np.array([[c, -s, 0, self.x], [s, c, 0, self.y], [0, 0, 1, self.z], [0, 0, 0, 1]], dtype=np.float64)
+        out = np.eye(4)
+        out[:3, :3], out[:3, 3] = self._turn(), (self.x, self.y, self.z)
+        return out
+
+
+def tilted(lean: tuple[float, float]) -> NDArray[np.float64]:
+    """The rotation (3, 3) by a vector about a horizontal axis [rad], by Rodrigues' formula."""
+    angle = hypot(*lean)
+    if angle == 0:
+        return np.eye(3)
+    x, y = lean[0] / angle, lean[1] / angle
+    c, s = cos(angle), sin(angle)
+    return np.array(
+        [
+            [c + x * x * (1 - c), x * y * (1 - c), y * s],
+            [x * y * (1 - c), c + y * y * (1 - c), -x * s],
+            [-y * s, x * s, c],
+        ]
+    )
 
 
 @dataclass(frozen=True)

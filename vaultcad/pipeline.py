@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from vaultcad.deviation import summarise
 from vaultcad.errors import NoVaultError
 from vaultcad.estimates import estimates
 from vaultcad.label import Labels, label
+from vaultcad.level import lean_of
 from vaultcad.model import Component, Deviation, FittedVault, Model
 from vaultcad.recognise import confidence
 from vaultcad.search import Found, find_vaults
@@ -80,13 +81,19 @@ def fit_scan(cloud: Cloud, settings: Settings = Settings(), *, progress: Progres
     rng = np.random.default_rng(settings.seed)
     with _stage("thinning", seconds, progress):
         thin = thin_scan(cloud)
+    lean, notes = lean_of(thin)
+    scanned, xyz = thin, cloud.xyz
+    if lean is not None:  # all that follows is upright, but for the poses and points of the result
+        thin, xyz = lean.thinned(thin), lean.levelled(cloud.xyz)
     with _stage("finding", seconds, progress):
-        found = find_vaults(thin, cloud.xyz, families, rng, demands)
+        found = find_vaults(thin, xyz, families, rng, demands)
     bands = [(one.placed, one.tolerance) for one in found]
     with _stage("labelling", seconds, progress):
-        labels, thinned = label(cloud.xyz, bands), label(thin.points, bands)
+        labels, thinned = label(xyz, bands), label(thin.points, bands)
     with _stage("measuring", seconds, progress):
         vaults = tuple(_measured(one, k, labels, thin, thinned, rng) for k, one in enumerate(found, 1))
+    if lean is not None:
+        vaults = tuple(replace(fitted, pose=lean.pose(fitted.pose)) for fitted in vaults)
     ends = cloud.in_file(np.array([cloud.xyz.min(axis=0), cloud.xyz.max(axis=0)]))
     model = Model(
         scan=cloud.source or Path("scan"),
@@ -108,9 +115,9 @@ def fit_scan(cloud: Cloud, settings: Settings = Settings(), *, progress: Progres
         seconds=seconds,
         unit=float(cloud.scale[0]),
         crs=cloud.crs,
-        notes=cloud.notes,
+        notes=(*cloud.notes, *notes),
     )
-    return Result(model, labels, thin.points, thinned.component, thinned.vault, thinned.deviation.astype(np.float64))
+    return Result(model, labels, scanned.points, thinned.component, thinned.vault, thinned.deviation.astype(np.float64))
 
 
 @contextmanager

@@ -19,6 +19,7 @@ SMALL = 0.3  # m; what stands above the floor is no vault if it is flatter than 
 FEWEST = 1000  # points of a scan
 LONGEST = 20_000.0  # m, of a scan; neither a building nor what the cells of a grid can number
 FEWEST_PLACES = 100  # of them, once they are thinned
+LOOKED_AT, AROUND = 1000, 8  # points at which the spacing is measured, and how many neighbours tell it
 CHUNK = 1 << 20  # points of the scan that are looked at together
 CELL, CELLS = 0.004, (0.02, 0.08)  # thinning, as a share of the scan's diagonal, and its limits in metres
 UPRIGHT = 0.1  # |nz| of a wall at the most, where haunches must not be taken for one
@@ -71,9 +72,9 @@ class Site:
 
 @dataclass(frozen=True)
 class Thin:
-    """A scan thinned to `spacing` [m]: points (n, 3) in the cloud's local frame [m] with unit normals (n, 3).
+    """A scan thinned to `spacing` [m], or as sparse as it is: points (n, 3) in the cloud's local frame [m].
 
-    counts: (n,) how many points of the scan each stands for.
+    normals: (n, 3), unit. counts: (n,) how many points of the scan each stands for.
     """
 
     points: Array
@@ -122,7 +123,17 @@ def thin_scan(cloud: Cloud) -> Thin:
         raise NoVaultError(
             f"no vault found: {good.sum()} places of the scan have a surface; at least {FEWEST_PLACES} are needed"
         )
-    return Thin(points, normals.astype(np.float64), thinned.count.astype(np.float64), voxel).only(good)
+    spacing = max(voxel, _spacing(points))
+    return Thin(points, normals.astype(np.float64), thinned.count.astype(np.float64), spacing).only(good)
+
+
+def _spacing(points: Array) -> float:
+    """Distance [m] at which points (n, 3) lie on a surface, of the middling one, by how far its neighbours are."""
+    from scipy.spatial import cKDTree
+
+    some = points[:: max(1, len(points) // LOOKED_AT)]
+    reach, _ = cKDTree(points).query(some, [AROUND + 1])
+    return float(np.median(reach) * np.sqrt(np.pi / AROUND))
 
 
 def find_site(thin: Thin, xyz: NDArray[np.floating]) -> Site:
@@ -153,7 +164,7 @@ def above_floor(thin: Thin) -> Thin:
     Raises:
         NoVaultError: nothing stands above the floor.
     """
-    above = thin.only(~_floor(thin.points, thin.normals))
+    above = thin.only(~floor_of(thin.points, thin.normals))
     if len(above.points) < FEWEST_PLACES or np.ptp(above.points, axis=0).min() < SMALL:
         raise NoVaultError(
             "no vault found: nothing but a floor or a wall is in the scan; scan the whole room under a vault"
@@ -167,7 +178,7 @@ def turned(xy: NDArray[Real], yaw: float) -> NDArray[Real]:
     return np.stack([c * x + s * y, c * y - s * x], axis=1)
 
 
-def _floor(points: Array, normals: Array) -> NDArray[np.bool_]:
+def floor_of(points: Array, normals: Array) -> NDArray[np.bool_]:
     """Level points of the lowest level that holds a good share of all level points, and all below it."""
     z = points[:, 2]
     level = np.abs(normals[:, 2]) > LEVEL

@@ -133,10 +133,11 @@ def _parameters(fitted: FittedVault, origin: NDArray[np.float64]) -> str:
         f"<p>{escape(name.replace('_', ' '))}: <b>{escape(kind)}</b></p>"
         for name, kind in profiles(fitted.vault).items()
     )
+    lean = f" All of it leans by {degrees(pose.tilt):.2f}° with the scan." if pose.tilt else ""
     return (
         f"{arches}{_estimates('size', sizes)}<p></p>{_estimates('fitted parameter', fit)}"
         f"<p class='soft'>The vault's origin, the centre of its plan on the springing, lies at x {x:.3f}, y {y:.3f}, "
-        f"z {z:.3f} m of the scan's coordinates; its x axis is turned by {degrees(pose.yaw):.2f}° about z.</p>"
+        f"z {z:.3f} m of the scan's coordinates; its x axis is turned by {degrees(pose.yaw):.2f}° about z.{lean}</p>"
         f"{_legend(fitted.parameters.values())}"
     )
 

@@ -96,7 +96,8 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "pose": {
             "origin": _row((pose.x + origin[0], pose.y + origin[1], pose.z + origin[2])),
             "yaw_deg": _number(degrees(pose.yaw)),
-            "tilt_deg": 0.0,  # a pose turns about the vertical only
+            "tilt_deg": _number(degrees(pose.tilt)),
+            "lean_deg": [_number(degrees(part)) for part in pose.lean],  # rotation vector about x and y
             **_pose_std(fitted.covariance),
         },
         "corners": _corners(fitted, origin),

@@ -39,7 +39,7 @@ def fitted_vault(plain: Mapping[str, Any]) -> FittedVault:
         ValueError: an unknown name, or a value outside its range.
     """
     vault = vault_of(plain["family"], plain.get("profiles", {}), plain["parameters"])
-    pose = Pose(**plain["pose"])
+    pose = Pose(**{**plain["pose"], "lean": tuple(plain["pose"].get("lean", (0.0, 0.0)))})
     if "estimates" not in plain:
         sizes = {name: Estimate(value, "m", None, derived=True) for name, value in vault.derived_values().items()}
         declared = {

@@ -16,6 +16,8 @@ from .client import FITTER, outcome
 from .texts import translate
 
 MM = 1000.0
+STEEPEST = radians(10)  # lean of a vault that stands in a scan which was not level
+FAINT = 1e-9  # rad
 
 
 class Fit:
@@ -91,6 +93,9 @@ class Fit:
         pose = report["pose"]
         place = App.Vector(*(MM * pose[axis] for axis in "xyz"))
         turn = App.Rotation(App.Vector(0, 0, 1), degrees(pose["yaw"]))
+        leans = App.Vector(*pose["lean"], 0)
+        if leans.Length:
+            turn = App.Rotation(leans, degrees(leans.Length)).multiply(turn)
         obj.Placement = self.points.Placement.multiply(App.Placement(place, turn))
         return obj
 
@@ -109,16 +114,20 @@ def region(box: Any, points: Any) -> dict[str, Any]:
     }
 
 
-def pose(obj: Any) -> dict[str, float]:
-    """Where a vault stands [m] and how it is turned about the vertical [rad], relative to its scan's points."""
+def pose(obj: Any) -> dict[str, Any]:
+    """Where a vault stands [m], its turn about the vertical and its lean [rad], relative to its scan's points."""
     place = obj.Placement
     if getattr(obj, "Scan", None) is not None:
         place = obj.Scan.Placement.inverse().multiply(place)
-    yaw, pitch, roll = place.Rotation.getYawPitchRoll()
-    if abs(pitch) > 1e-6 or abs(roll) > 1e-6:
+    up = App.Vector(0, 0, 1)
+    leaning = App.Rotation(up, place.Rotation.multVec(up))
+    if leaning.Angle > STEEPEST:
         why = translate("VaultCad", "it is tilted; turn it about the vertical only")
         raise ValueError(f"{obj.Label}: {why}")
-    return {"x": place.Base.x / MM, "y": place.Base.y / MM, "z": place.Base.z / MM, "yaw": radians(yaw)}
+    yaw, _, _ = leaning.inverted().multiply(place.Rotation).getYawPitchRoll()
+    lean = [leaning.Angle * leaning.Axis.x, leaning.Angle * leaning.Axis.y] if leaning.Angle > FAINT else [0.0, 0.0]
+    where = {"x": place.Base.x / MM, "y": place.Base.y / MM, "z": place.Base.z / MM}
+    return {**where, "yaw": radians(yaw), "lean": lean}
 
 
 def report(obj: Any) -> dict[str, Any] | None:
