@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -25,15 +26,16 @@ from vaultcad.level import lean_of
 from vaultcad.model import Component, Deviation, FittedVault, Model
 from vaultcad.recognise import confidence
 from vaultcad.search import Found, find_vaults
-from vaultcad.site import Thin, thin_scan
+from vaultcad.site import Site, Thin, thin_scan
 from vaultcad.solve import Placed
-from vaultcad.uncertainty import covariance
+from vaultcad.uncertainty import covariance, open_ends
 from vaultcad.versions import versions
 
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 
 STAGES = ("thinning", "finding", "labelling", "measuring")
+SPARSE = 0.09  # m between points, from which on the end of a vault without a wall is hard to tell
 AS_BUILT = 20_000  # points of the as-built surface; half of them make it, the other half measure it
 
 
@@ -144,6 +146,9 @@ def _measured(
     sight = look(placed.vault, on, 2.5 * thin.spacing, rng)
     solution, fitted = found.refined.loose, found.refined.points
     spread = covariance(solution, fitted)
+    apart = _open_ends(found.site, placed)
+    if any(apart):
+        spread = replace(spread, matrix=spread.matrix + open_ends(solution, apart))
     (points,) = np.nonzero(labels.vault == number)
     component, deviation = labels.component[points], labels.deviation[points]
     components = []
@@ -165,6 +170,14 @@ def _measured(
         covariance=spread,
         tolerance=found.tolerance,
     )
+
+
+def _open_ends(site: Site, placed: Placed) -> tuple[float, float]:
+    """How unsure the plan's half extents are along the vault's x and y [m]: sparse scans tell little without walls."""
+    if site.spacing < SPARSE:
+        return 0.0, 0.0
+    x, y = (0.0 if both.all() else site.spacing for both in site.walled)
+    return (y, x) if round((placed.pose.yaw - site.yaw) / (pi / 2)) % 2 else (x, y)
 
 
 def _as_built(placed: Placed, on: Array, distances: Array, rng: np.random.Generator) -> Deviation | None:

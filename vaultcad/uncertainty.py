@@ -45,6 +45,29 @@ def covariance(solution: Solution, points: Array) -> Covariance:
     return Covariance(solution.names, wandering + np.outer(shift, shift))
 
 
+def open_ends(solution: Solution, apart: tuple[float, float]) -> Array:
+    """Covariance (k, k) of the unknowns where the plan ends on sides without walls, in a sparse scan.
+
+    apart: standard deviation [m] of the half extents in x and y, and of the middle between them; where walls tell, 0.
+    What of the stone is the vault's and what an arch's beside it is told by few points there.
+    """
+    pose, size = solution.placed.pose, len(solution.names)
+    out = np.zeros((size, size))
+    for axis, sigma in enumerate(apart):
+        if sigma == 0:
+            continue
+        slopes = np.zeros(size)
+        for k, vaults, step in _moved(solution):
+            less, more = (vault.plan.half[axis] for vault in vaults)
+            slopes[k] = (more - less) / step
+        if slopes.any():
+            out += sigma**2 * np.outer(slopes, slopes) / float(slopes @ slopes) ** 2
+        way = np.zeros(size)
+        way[:2] = (np.cos(pose.yaw), np.sin(pose.yaw)) if axis == 0 else (-np.sin(pose.yaw), np.cos(pose.yaw))
+        out += sigma**2 * np.outer(way, way)
+    return out
+
+
 def _vague(solution: Solution) -> Array:
     """Diagonal (k, k): what the ranges of the parameters say of them, as the inverse of a variance."""
     ranges = {p.name: p.range for p in solution.placed.vault.parameters()}
