@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from difflib import get_close_matches
 from itertools import chain
 from math import inf, isfinite, pi
 
@@ -18,6 +19,8 @@ PLACE = {
     "yaw": Range(-2 * pi, 2 * pi, "rad", "turn of the vault's x axis"),
 }
 """Parts of the pose that can be fixed."""
+MANY = 25
+"""Names that nobody reads through."""
 
 
 def demand(
@@ -42,7 +45,7 @@ def demand(
         ranges = [own[name] for own in (PLACE, *sizes.values()) if name in own]
         if not ranges:
             known = dict.fromkeys(chain(*sizes.values(), PLACE))
-            raise ValueError(f"no size {name!r} to fix; there are {', '.join(known)}")
+            raise ValueError(f"no size {name!r} to fix; {_instead(name, list(known))}")
         low, high = min(r.low for r in ranges), max(r.high for r in ranges)
         if not isfinite(value) or not low <= value <= high:
             raise ValueError(f"{name} = {value:g} cannot be; it is {low:g} to {high:g} {ranges[0].unit}")
@@ -58,6 +61,14 @@ def demand(
     local = dict(zip(("x", "y", "springing"), origin, strict=True))
     pose = {{"springing": "z"}.get(k, k): v - local.get(k, 0.0) for k, v in fix.items() if k in PLACE}
     return chosen, Demands(own, pose, freed)
+
+
+def _instead(name: str, known: Sequence[str]) -> str:
+    """What may have been meant, and what there is, unless that is too much to read."""
+    close = get_close_matches(name, known, n=3)
+    meant = f"did you mean {' or '.join(close)}?" if close else ""
+    there = f"there are {', '.join(known)}" if len(known) <= MANY else "vaultcad families NAME lists those of a family"
+    return f"{there}; {meant}" if meant and len(known) <= MANY else f"{meant} {there}".strip()
 
 
 def sizes_of(cls: type[Vault]) -> dict[str, Range]:

@@ -11,9 +11,11 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 State = Literal["ok", "missing", "broken"]
@@ -52,6 +54,7 @@ class Program:
     commands: tuple[str, ...]  # the names it goes by, first found first taken
     package: str  # of Debian
     purpose: str
+    script: str = ""  # Python that it runs and that prints its version, where --version is no sign of health
 
 
 @dataclass(frozen=True)
@@ -94,7 +97,14 @@ PROBES = (
 )
 
 PROGRAMS = (
-    Program("FreeCAD", ("freecadcmd", "FreeCADCmd"), "freecad", "parametric vaults in FreeCAD"),
+    Program(
+        "FreeCAD",
+        ("freecadcmd", "FreeCADCmd"),
+        "freecad",
+        "parametric vaults in FreeCAD",
+        # 0.20 crashes on --version without a locale, and works all the same
+        "import FreeCAD; print('.'.join(FreeCAD.Version()[:3]), flush=True)",
+    ),
     Program("Chromium", ("chromium", "chromium-browser", "google-chrome"), "chromium", "pictures of the viewer"),
 )
 
@@ -140,7 +150,10 @@ def examine_program(program: Program, timeout: float) -> Finding:
     path = next(filter(None, map(shutil.which, program.commands)), None)
     if path is None:
         return finding("", "missing", f"not installed; for {program.purpose}", _apt(program.package))
-    failure, said = _failure([path, "--version"], timeout)
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder) / "version.py"
+        script.write_text(program.script + "\n", encoding="utf-8")
+        failure, said = _failure([path, str(script) if program.script else "--version"], timeout)
     if failure:
         return finding("", "broken", failure, _apt("--reinstall", program.package))
     number = re.search(r"\d+(\.\d+)+", said)

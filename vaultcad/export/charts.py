@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 WIDTH, HEIGHT, FOOT = 640.0, 150.0, 22.0
+EDGE = 30.0  # half of the widest label, "−120 mm"
 BINS = 60
 
 
@@ -22,7 +23,7 @@ def histogram(values: NDArray[np.float64]) -> str:
         if count
     )
     ticks = np.linspace(-reach, reach, 5)
-    places = np.clip((ticks + reach) / (2 * reach) * WIDTH, 20, WIDTH - 20)
+    places = np.clip((ticks + reach) / (2 * reach) * WIDTH, EDGE, WIDTH - EDGE)
     labels = "".join(
         f'<text x="{x:.1f}" y="{HEIGHT - 5:.0f}">{_signed(1000 * t)} mm</text>'
         for x, t in zip(places, ticks, strict=True)

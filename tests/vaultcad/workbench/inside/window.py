@@ -108,6 +108,12 @@ def session(found):
     yield 500
     screenshot("below")
     found["painted"] = len(set(fitted.ViewObject.DiffuseColor))
+    page = panel.ResultPanel([fitted])
+    found["as fitted"] = page.form[0].findChildren(QtGui.QLabel)[0].text()
+    fitted.SpanX = "5 m"
+    document.recompute()
+    page = panel.ResultPanel([fitted])
+    found["edited"] = page.form[0].findChildren(QtGui.QLabel)[0].text()
     fitted.SpanX = "400 m"
     document.recompute()
     yield 100

@@ -12,6 +12,7 @@ from PySide import QtCore, QtGui
 from .catalogue import families, shown
 from .client import GoneError, RefusedError
 from .fit import Fit
+from .fit import report as measured
 from .scan import LIMIT, SCALE
 from .texts import complain, translate
 from .view import icon
@@ -114,6 +115,9 @@ class ResultPanel:
 
     def _page(self, obj: Any) -> Any:
         report = json.loads(obj.Report)
+        if measured(obj) is None:
+            why = translate("VaultCad", "edited since the fit, and not measured: these are the figures of the fit")
+            report["flags"] = [why, *report["flags"]]
         page = QtGui.QWidget()
         page.setWindowTitle(obj.Label)
         page.setWindowIcon(QtGui.QIcon(icon("vault")))
