@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,7 @@ BAND = 4.0  # that band in scatters of the fit
 NARROW = 0.9  # m, span of a part of a scan that is rather an arch, or nothing
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 HIGH = 0.93  # crown of lunettes / crown of their barrel from which on they may be groin vaults in a row
+CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
 FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
 
@@ -142,7 +143,7 @@ class _Search:
         Raises:
             NoVaultError: none is near enough to what hangs there.
         """
-        site = find_site(thin, xyz)
+        site = _under_its_ceiling(find_site(thin, xyz), thin)
         hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
         refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
         found = Found(site, hypotheses, refined, float(np.clip(BAND * refined.scatter, *TOLERANCE)))
@@ -158,6 +159,22 @@ class _Search:
         points = self.ceiling.points(region)
         labels = label(points, [(one.placed, one.tolerance) for one in found])
         return int((labels.vault > 0).sum())
+
+
+def _under_its_ceiling(site: Site, thin: Thin) -> Site:
+    """The site with its crown at the top of what hangs together over it, and nothing of what is far above that.
+
+    Reveals of windows and shafts go far up, but over a small part of the plan.
+    """
+    top = Ceiling.of(thin).height
+    if not np.isfinite(top).any():
+        return site
+    crown = min(float(np.nanquantile(top, CROWN)), site.crown)
+    below = site.points[:, 2] < crown + ABOVE
+    if below.all() or crown > site.crown - ABOVE:
+        return site
+    arrays = {name: getattr(site, name)[below] for name in ("points", "normals", "weights", "counts")}
+    return replace(site, crown=crown, **arrays)
 
 
 def _in_a_row(found: Found) -> bool:

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from families import FAMILIES, Barrel, Dome, Sail, Trough, Vault
+from families import FAMILIES, Barrel, Dome, Groin, Sail, Segmental, Trough, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
 from vaultcad.pipeline import Settings, fit_scan
+from vaultcad.scanner import ScannerSettings, scan
 from vaultcad.scanner.barren import SCENES, draw_barren
 
 Points = NDArray[np.float64]
@@ -93,3 +94,43 @@ def test_a_surface_that_is_rough_or_level_is_named() -> None:
     cloud = Cloud(np.concatenate([rough, walls.reshape(-1, 3)]).astype(np.float32))
     with pytest.raises(NoVaultError, match=r"too rough for a vault|explains"):
         fit_scan(cloud, Settings(families=(Barrel,)))
+
+
+def hemisphere(rng: np.random.Generator, *, oculus: float = 0.0, walls: float = 0.0) -> Points:
+    """A dome of 3 m radius over a round plan, with an opening at its crown, on a round wall."""
+    angle, height = rng.uniform(0, 2 * np.pi, 30_000), rng.uniform(0, 1, 30_000)
+    flat = np.sqrt(1 - height**2)
+    dome = 3 * np.stack([flat * np.cos(angle), flat * np.sin(angle), height], 1)
+    parts = [dome[np.hypot(dome[:, 0], dome[:, 1]) > oculus]]
+    if walls:
+        around = rng.uniform(0, 2 * np.pi, 20_000)
+        wall = [3 * np.cos(around), 3 * np.sin(around), -walls * rng.uniform(0, 1, 20_000)]
+        ground = 3 * np.sqrt(rng.uniform(0, 1, 10_000))
+        turn = rng.uniform(0, 2 * np.pi, 10_000)
+        parts += [
+            np.stack(wall, 1),
+            np.stack([ground * np.cos(turn), ground * np.sin(turn), np.full(10_000, -walls)], 1),
+        ]
+    return np.concatenate(parts) + 0.003 * rng.standard_normal((sum(map(len, parts)), 3))
+
+
+@pytest.mark.parametrize(
+    ("family", "shape"),
+    [(Sail, {}), (Sail, {"oculus": 0.6}), (Dome, {"walls": 4.0}), (Dome, {"walls": 4.0, "oculus": 0.6})],
+    ids=["alone", "with an oculus", "rotunda", "rotunda with an oculus"],
+)
+def test_a_dome_over_a_round_plan_gets_no_corners(family: type[Vault], shape: dict[str, float]) -> None:
+    xyz = hemisphere(np.random.default_rng(1), **shape)
+    with pytest.raises(NoVaultError, match=r"(3\.00|3\.01|2\.99) m radius.*no family yet"):
+        fit_scan(Cloud(xyz.astype(np.float32)), Settings(families=(family,)))
+
+
+def test_reveals_that_go_far_up_do_not_hide_a_vault() -> None:
+    rng = np.random.default_rng(2)
+    vault = Groin(4.6, 5.4, Segmental(1.5 / 4.6), Segmental(1.5 / 5.4))
+    xyz = scan(vault, ScannerSettings(points=60_000, settlement=0.01), rng=rng).xyz
+    shaft = rng.uniform(0, 1, (5000, 3)) * [0.33, 1.6, 6.0] + [1.95, -1.0, 6.0]
+    shaft[::2, 0] = 1.95 + 0.33 * (np.arange(2500) % 2)
+    result = fit_scan(Cloud(np.concatenate([xyz, shaft]).astype(np.float32)), Settings(families=(Groin,)))
+    (fitted,) = result.model.vaults
+    assert fitted.parameters["rise"].value == pytest.approx(1.5, abs=0.08)
