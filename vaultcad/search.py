@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from families import Lunette, Vault
 from vaultcad.arches import bay_of, without_arches
-from vaultcad.bays import Ceiling, Region
+from vaultcad.bays import LEAST, Ceiling, Region
 from vaultcad.errors import NoVaultError
 from vaultcad.freedom import NONE, Demands
 from vaultcad.label import label
@@ -106,9 +106,11 @@ class _Search:
         vault = found.placed.vault
         seen = self._explained([found], region) * self.ceiling.cell**2
         short = 2 * min(vault.plan.half_x, vault.plan.half_y)
-        if part and short < NARROW:
-            raise NoVaultError(f"no vault found: a {vault.title} of {short:.1f} m is an arch, if anything")
         area = 4 * vault.plan.half_x * vault.plan.half_y
+        if part and (short < NARROW or area < LEAST):
+            raise NoVaultError(
+                f"no vault found: a {vault.title} {short:.1f} m wide over {area:.1f} m² is an arch, if any"
+            )
         if seen < (FILLED if part else PARTLY) * area:
             raise NoVaultError(
                 f"no vault found: {seen:.1f} m² of a {vault.title} are too little of its {area:.1f} m²; "
