@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import TYPE_CHECKING, Any, Literal
 
 from segmentation.units import UNITS, unit_of
@@ -18,8 +19,6 @@ Kind = Literal["projected", "geographic", "geocentric", "other"]
 MODEL, GEOGRAPHIC, PROJECTED, LINEAR, LINEAR_SIZE, VERTICAL, VERTICAL_UNITS = 1024, 2048, 3072, 3076, 3077, 4096, 4099
 MODELS: Mapping[int, Kind] = {1: "projected", 2: "geographic", 3: "geocentric"}
 USER_DEFINED = 32767
-EPSG_UNITS = {9001: 1.0, 9002: UNITS["ft"], 9003: UNITS["ftUS"], 1033: UNITS["cm"], 1025: UNITS["mm"]}
-"""Metres in EPSG's units of length."""
 
 
 @dataclass(frozen=True)
@@ -43,13 +42,13 @@ class Crs:
 
 
 def of_wkt(text: str) -> Crs | None:
-    """The system that a well-known text describes; None if it is none."""
+    """The system that a well-known text describes, or another that PROJ reads, as EPSG:2056; None if it is none."""
     from pyproj import CRS
     from pyproj.exceptions import CRSError
 
     text = text.strip("\0 \n\r\t")
     try:
-        return _of(CRS.from_wkt(text)) if text else None
+        return _of(CRS.from_user_input(text)) if text else None
     except CRSError:
         return _by_its_words(text)
 
@@ -61,14 +60,27 @@ def of_geokeys(keys: Mapping[int, float]) -> Crs | None:
     """
     horizontal = of_code(keys.get(PROJECTED) or keys.get(GEOGRAPHIC))
     vertical = of_code(keys.get(VERTICAL))
+    keys = {key: value for key, value in keys.items() if isfinite(value)}
     kind = MODELS.get(int(keys.get(MODEL, 0))) or (horizontal.kind if horizontal else "other")
-    linear = EPSG_UNITS.get(int(keys.get(LINEAR, 0))) or keys.get(LINEAR_SIZE)
+    linear = _length_of(keys.get(LINEAR)) or keys.get(LINEAR_SIZE)
     unit = linear or (horizontal.unit if horizontal else None)
-    height = EPSG_UNITS.get(int(keys.get(VERTICAL_UNITS, 0))) or (vertical.unit if vertical else None)
+    height = _length_of(keys.get(VERTICAL_UNITS)) or (vertical.unit if vertical else None)
     if horizontal is None and unit is None and height is None and kind == "other":
         return None
     name = horizontal.name if horizontal else "a system of GeoTIFF keys"
     return Crs(name, horizontal.epsg if horizontal else None, kind, unit, height)
+
+
+def _length_of(code: float | None) -> float | None:
+    """Metres in EPSG's unit of length of that code; None if there is none."""
+    from pyproj.database import get_units_map
+
+    if not code or int(code) == USER_DEFINED:
+        return None
+    units = get_units_map(auth_name="EPSG", category="linear").values()
+    size = next((unit.conv_factor for unit in units if unit.code == str(int(code))), None)
+    exact = None if size is None else unit_of(size)
+    return size if exact is None else UNITS[exact]
 
 
 def of_code(code: float | None) -> Crs | None:
@@ -107,9 +119,17 @@ def _by_its_words(text: str) -> Crs | None:
     start = re.match(r"(\w+)\s*\[\s*\"([^\"]*)\"", text)
     if not start:
         return None
-    kinds: dict[str, Kind] = {"GEOGCS": "geographic", "GEOGCRS": "geographic", "GEOCCS": "geocentric"}
-    kind: Kind = kinds.get(start[1].upper(), "projected")
-    found = re.findall(r"(?:LENGTH)?UNIT\s*\[\s*\"[^\"]*\"\s*,\s*([0-9.eE+-]+)", text)
-    lengths = [float(size) for size in found if unit_of(float(size))]
-    unit = lengths[0] if lengths and kind == "projected" else None
-    return Crs(start[2], None, kind, unit, None)
+    flat, _, upright = text.partition("VERT")
+    kind: Kind = "projected" if re.search(r"PROJC|LOCAL_CS|ENGC", flat) else "other"
+    if kind == "other" and re.search(r"GEOGC|GEODC", flat):
+        kind = "geographic"
+    if kind == "other" and "GEOCCS" in flat:
+        kind = "geocentric"
+    unit = _first_length(flat) if kind == "projected" else None
+    return Crs(start[2], None, kind, unit, _first_length(upright))
+
+
+def _first_length(text: str) -> float | None:
+    """The first unit of length [m] in a part of a well-known text."""
+    found = re.findall(r"(?:LENGTH)?UNIT\s*\[\s*\"[^\"]*\"\s*,\s*(\d+\.?\d*(?:[eE][-+]?\d+)?)", text)
+    return next((float(size) for size in found if float(size) > 0 and unit_of(float(size))), None)

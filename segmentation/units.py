@@ -24,13 +24,19 @@ ALIASES: Mapping[str, tuple[str, ...]] = {
     "mm": ("mm", "millimetre", "millimeter", "millimetres", "millimeters", "millimetri", "millimetro", "milimetro",
            "milimetros"),
     "ft": ("ft", "foot", "feet", "fuss", "piede", "piedi", "pied", "pieds", "pie", "pies", "international foot",
-           "international feet", "ift", "intl foot", "intl ft"),
+           "international feet", "ift", "intl foot", "intl ft",
+           "int ft", "int foot", "international ft"),
     "ftUS": ("ftus", "usft", "us ft", "ft us", "us survey foot", "us survey feet", "survey foot", "survey feet",
-             "foot us", "feet us", "us foot", "us feet", "sft"),
+             "foot us", "feet us", "us foot", "us feet", "sft", "us survey ft",
+             "survey ft", "us surveyfoot", "ussurveyfoot", "us surveyft", "foot us survey", "feet us survey"),
     "in": ("in", "inch", "inches", "zoll", "pollice", "pollici", "pouce", "pouces", "pulgada", "pulgadas"),
 }  # fmt: skip
 """How files write them, without accents, brackets and dots."""
 _BY_ALIAS = {alias: name for name, aliases in ALIASES.items() for alias in aliases}
+UNIT_WORDS = {"unit", "units", "einheit", "einheiten", "unita", "unite", "unites", "unidad", "unidades"}
+FILLERS = {"of", "length", "lengths", "is", "are", "in", "system", "linear", "the", "1", "coordinates"}
+"""What may stand between such a word and the unit."""
+OTHER_THINGS = {"intensity", "angle", "angular", "time", "temperature", "reflectance", "color", "colour"}
 EXACT = 1e-9
 """Relative difference of two factors that are one unit; the two feet differ by 2e-6."""
 
@@ -46,12 +52,19 @@ def unit_of(metres: float) -> str | None:
 
 
 def unit_said(text: str) -> str | None:
-    """The unit that a line like "units: mm" or "# unit = feet" states; None if it states none."""
-    found = re.search(r"\bunits?\b(?:\s+(?:of\s+length|is|are|in))*\s*[:=]?\s*[\"'\[(]?\s*([^\"'\])\n,;]+)", text, re.I)
-    if not found:
+    """The unit that a line like "units: mm", "# lengthUnit = feet" or "Einheit: Meter" states; None if it states none.
+
+    Units of other things than lengths say nothing of these.
+    """
+    apart = re.sub(r"([a-z])([A-Z])", r"\1 \2", text.replace(".", ""))
+    words = plain_words(apart).split()
+    at = next((k for k, word in enumerate(words) if word in UNIT_WORDS), None)
+    if at is None or OTHER_THINGS & set(words[:at]):
         return None
-    words = found[1].split()
-    said = (unit_named(" ".join(words[:k])) for k in (3, 2, 1))
+    rest = words[at + 1 :]
+    while len(rest) > 1 and rest[0] in FILLERS:
+        rest = rest[1:]
+    said = (_BY_ALIAS.get(" ".join(rest[:k])) for k in (3, 2, 1))
     return next((unit for unit in said if unit), None)
 
 

@@ -90,7 +90,10 @@ def lean_of(thin: Thin) -> tuple[Lean | None, tuple[Note, ...]]:
             )
             return None, (Note("tilt", text),)
         up, least = (floor if apart < SAME else walls), LEAST
-    if not least < _tilt(walls) < MOST or not _tilt(up) > 0:
+    if _tilt(walls) >= MOST:
+        text = f"walls lean by {degrees(_tilt(walls)):.0f}°, more than rooms do: taken as it is; level the scan"
+        return None, (Note("tilt", text),)
+    if _tilt(walls) <= least or _tilt(up) == 0:
         return None, ()
     angle, across = _tilt(up), np.array([-up[1], up[0]]) / hypot(up[0], up[1])
     text = f"the scan leans by {degrees(angle):.2f}°: it is fitted upright, and the vaults lean with it"

@@ -85,8 +85,10 @@ def assemble(
     if n < len(used):
         rest = [p.only(~used) for p, used in zip(parts, taken, strict=True)]
         around = joined([corners_of(p.xyz) for p in rest])
-        aside = _cloud(rest, path, Facts(), up=up, scale=scale, origin=where, corners=around, kept=others, dropped=0)
         parts = [p.only(used) for p, used in zip(parts, taken, strict=True)]
+        aside = _cloud(
+            rest, path, Facts(), up=up, scale=scale, origin=where, corners=around, kept=others, dropped=0, like=parts
+        )
     return _cloud(
         parts, path, facts, up=up, scale=scale, origin=where, corners=corners, kept=mine, dropped=dropped, aside=aside
     )
@@ -125,8 +127,9 @@ def _cloud(
     kept: Mask | None,
     dropped: int,
     aside: Cloud | None = None,
+    like: Sequence[Chunk] = (),
 ) -> Cloud:
-    """The Cloud of chunks without a point that is none. Empties `parts`."""
+    """The Cloud of chunks without a point that is none; `like`: others that tell its ranges. Empties `parts`."""
     lengths = [len(p.xyz) for p in parts]
     normals = _joined([p.normals for p in parts], lengths)
     color = _joined([p.color for p in parts], lengths)
@@ -138,8 +141,8 @@ def _cloud(
         xyz=_shifted(parts, scale, up, origin, np.float32 if reach < FLOAT32_REACH else np.float64),
         origin=origin,
         normals=None if normals is None else turn(normals.astype(np.float32, copy=False), up),
-        color=None if color is None else color16(color),
-        intensity=None if intensity is None else intensity16(intensity),
+        color=None if color is None else color16(color, _like("color", like)),
+        intensity=None if intensity is None else intensity16(intensity, _like("intensity", like)),
         classification=None if classification is None else classification.astype(np.uint8, copy=False),
         stations=turn(stations * scale, up) - origin,
         source=path,
@@ -151,6 +154,12 @@ def _cloud(
         crs=facts.crs,
         notes=tuple(facts.notes),
     )
+
+
+def _like(name: str, parts: Sequence[Chunk]) -> Any:
+    """That attribute of the chunks that have it, in one; None if none has."""
+    found = [values for part in parts if (values := getattr(part, name)) is not None and len(values)]
+    return np.concatenate(found) if found else None
 
 
 def _joined(arrays: list[Any], lengths: list[int]) -> Any:

@@ -39,6 +39,8 @@ _ALIASES: dict[str, tuple[str, ...]] = {
 }
 NAMES = {alias: name for name, lines in _ALIASES.items() for line in lines for alias in line.split("|")}
 """What a column holds, by its name in plain words; "" is for what a cloud has no use for."""
+NORTHERN = {alias for line in _ALIASES["y"] for alias in line.split("|")} - {"y"} | {"h"}
+"""Names of a y that does point north; h beside r is a Hochwert."""
 NAMES |= {f"points {k}": axis for k, axis in enumerate(COORDINATES)}  # ParaView's
 _COORDINATE = ("point", "coordinate", "coord", "coordinata", "coordonnee", "coordenada", "koordinate", "koord")
 NAMES |= {f"{word} {axis}": axis for axis in COORDINATES for word in _COORDINATE}

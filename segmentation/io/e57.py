@@ -53,7 +53,10 @@ def read_e57(path: Path, facts: Facts) -> Iterator[Chunk]:
         root = image.root()
         facts.format_unit = "m"
         if root.isDefined("coordinateMetadata"):
-            facts.declare(of_wkt(root["coordinateMetadata"].value()))
+            text = root["coordinateMetadata"].value()
+            facts.declare(of_wkt(text))
+            if text.strip() and facts.crs is None:
+                facts.tell("crs", "the coordinate system of the file cannot be read: nothing is taken from it")
         data = root["data3D"]
         scans = [data[k] for k in range(len(data)) if data[k]["points"].childCount() > 0]
         total = sum(scan["points"].childCount() for scan in scans)

@@ -34,8 +34,10 @@ class Facts:
         """Take a coordinate system, and the units that it states."""
         if crs is None:
             return
-        self.crs, self.stated_by = crs, f"its coordinate system, {crs.title}"
-        self.unit, self.height_unit = crs.unit, crs.height_unit
+        self.crs = crs
+        if self.unit is None and (crs.unit is not None or crs.height_unit is not None):
+            self.unit, self.height_unit = crs.unit, crs.height_unit
+            self.stated_by = f"its coordinate system, {crs.title}"
 
     def listen(self, comment: str) -> None:
         """Take what a comment in a file's header says of its unit ("units: mm") or coordinate system ("EPSG:2056")."""

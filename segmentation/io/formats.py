@@ -67,6 +67,8 @@ def read(
         raise ValueError(f"up = {up!r} is not one of {', '.join(AXES)}")
     if unit is not None and unit not in UNITS:
         raise ValueError(f"unit = {unit!r} is not one of {', '.join(UNITS)}")
+    if origin is not None and (len(origin) != 3 or not np.isfinite(origin).all()):
+        raise ValueError(f"origin = {tuple(origin)} is no place: give x, y and z in metres")
     reader, facts = reader_of(path), Facts()
     if columns is not None:
         if reader is not read_text:

@@ -6,8 +6,14 @@ from numpy.typing import NDArray
 Table = NDArray[np.float64]
 RUNNING = 0.99
 """Share of the steps of a running number that are one and the same."""
-NORTHINGS, EASTINGS = (1e6, 1e7), (1e5, 1e6)
-"""m; what a first and a second column hold that are northing and easting, in this order, of most national grids."""
+NORTH_FIRST = (
+    ((1e6, 1e7), (1e5, 1e6)),  # UTM, Lambert, British
+    ((4e6, 6.6e6), (1e6, 4.7e6)),  # Gauss-Krüger and Gauss-Boaga, whose eastings begin with the zone
+    ((1.0e6, 1.35e6), (2.4e6, 2.9e6)),  # Swiss LV95
+)
+"""m; what a first and a second column hold that are northing and easting, in this order, of national grids."""
+HIGHEST = 1e5
+"""m; no third column that is more is a height."""
 
 
 class AmbiguousError(ValueError):
@@ -23,10 +29,12 @@ def guessed(table: Table, words: frozenset[int], *, pts: bool) -> tuple[str, ...
     Raises AmbiguousError if the first columns may be something else than x, y and z.
     """
     columns = [c for c in range(table.shape[1]) if c not in words]
+    if len(columns) > 4 and _whole(table[:, columns[:2]]).all() and not _whole(table[:, columns[2:4]]).any():
+        raise AmbiguousError("its first two columns hold whole numbers, as rows and columns of a grid of beams do")
     if len(columns) > 3 and _is_number_of_point(table, columns):
         columns = columns[1:]
     xyz = columns[:3]
-    _check_northing_first(table[:, xyz])
+    check_northing_first(table[:, xyz])
     at = dict(zip(xyz, ("x", "y", "z"), strict=True))
     left = [c for c in columns[3:] if not np.isnan(table[:, c]).all()]
     for k in range(len(left) - 3, -1, -1):
@@ -62,13 +70,21 @@ def _whole(table: Table) -> NDArray[np.bool_]:
     return whole
 
 
-def _check_northing_first(xyz: Table) -> None:
-    first, second, third = np.nanmedian(np.abs(xyz), axis=0)
-    if NORTHINGS[0] <= first < NORTHINGS[1] and EASTINGS[0] <= second < EASTINGS[1] and third < EASTINGS[0]:
-        raise AmbiguousError(
-            f"its first two columns, near {first:,.0f} and {second:,.0f}, look like northing and easting: "
-            "taken for x and y they would mirror the scan"
-        )
+def check_northing_first(xyz: Table) -> None:
+    """See that columns (k, 3) which are taken for x, y and z do not look like northing, easting and height.
+
+    Raises AmbiguousError if they do.
+    """
+    known = np.abs(xyz[np.isfinite(xyz).all(axis=1)])
+    if len(known) == 0:
+        return
+    first, second, third = np.median(known, axis=0)
+    for north, east in NORTH_FIRST:
+        if north[0] <= first < north[1] and east[0] <= second < east[1] and third < HIGHEST:
+            raise AmbiguousError(
+                f"its x and y, near {first:,.0f} and {second:,.0f}, look like northing and easting: "
+                "taken as they stand they would mirror the scan"
+            )
 
 
 def _color(table: Table, left: list[int], pts: bool) -> list[int]:

@@ -9,9 +9,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from segmentation.io.column_names import COORDINATES, GEOGRAPHIC, NAMES
+from segmentation.io.column_names import COORDINATES, GEOGRAPHIC, NAMES, NORTHERN
 from segmentation.units import plain_words, unit_named
 
+UNKNOWN = "?"
+"""What stands for a unit that is not known."""
+DATUMS = {
+    *("nn", "nhn", "msl", "asl", "navd88", "nap", "egm96", "egm2008", "ellipsoid", "m u nn", "m asl"),
+    *("local", "world", "up", "wgs84", "utm"),
+}
+"""What else stands in brackets after a coordinate."""
 SCALAR = "scalar "
 """CloudCompare puts this in front of the names of its scalar fields."""
 
@@ -21,12 +28,18 @@ class Header:
     """A line of names that is understood.
 
     kinds: what each column holds, "" for what is of no use; x, y and z are among them. units: of x, y and z by their
-    names, where said. line: as it stands there.
+    names, where said. line: as it stands there. words: the names in plain words.
     """
 
     kinds: tuple[str, ...]
     units: dict[str, str]
     line: str
+    words: tuple[str, ...] = ()
+
+    @property
+    def bare(self) -> bool:
+        """Whether its y is no more than that, and may point east where x points north."""
+        return bool(self.words) and self.words[self.at["y"]] not in NORTHERN
 
     @property
     def at(self) -> dict[str, int]:
@@ -62,18 +75,24 @@ def understood(line: str, width: int, delimiter: str) -> Header | None:
         try:
             found = _meant(names, bare)
         except NotUnderstoodError as error:
-            problem = problem or ("" if comment and error.coordinates < 2 else str(error))
+            # A comment may have such words by chance.
+            strange = sum(plain_words(name) not in NAMES for name in names)
+            chance = comment and (error.coordinates < 2 or strange >= error.coordinates)
+            problem = problem or ("" if chance else str(error))
             continue
         if found is not None:
             return found
         problem = problem or ("" if comment else "it names no x, y and z")
     words = [plain_words(word) for word in re.split(r"[\s,;|]+", bare)]
-    if any(word in GEOGRAPHIC for word in words):
+    words = [word for word in words if word]
+    known = all(word in NAMES or word in GEOGRAPHIC for word in words)
+    if sum(word in GEOGRAPHIC for word in words) > 1 and (known or not comment):
         raise NotUnderstoodError("it names longitude and latitude, which are degrees")
     if problem:
         raise NotUnderstoodError(problem)
-    meant = {NAMES[word] for word in words if len(word) > 1 and NAMES.get(word) in COORDINATES}
-    if len(meant) > 1:
+    meant = [NAMES[word] for word in words if NAMES.get(word) in COORDINATES]
+    # A comment may have such words by chance; one that has nothing else names columns.
+    if len(set(meant)) > 1 and (known or not comment) and meant[:3] != list(COORDINATES):
         raise NotUnderstoodError(f"it names another number of columns than the {width} that there are")
     return None
 
@@ -168,7 +187,11 @@ def _meant(names: Sequence[str], line: str) -> Header | None:
     if missing:
         raise NotUnderstoodError(f"no column is known to be {' or '.join(missing)}", 3 - len(missing))
     said = {axis: unit for axis in COORDINATES if (unit := units[at[axis]]) is not None}
-    return Header(tuple(kind if kind and at[kind] == k else "" for k, kind in enumerate(kinds)), said, line)
+    own = tuple(kind if kind and at[kind] == k else "" for k, kind in enumerate(kinds))
+    for axis in COORDINATES:
+        if units[at[axis]] == UNKNOWN:
+            raise NotUnderstoodError(f"{names[at[axis]]!r} has a unit that is not known")
+    return Header(own, said, line, tuple(plain))
 
 
 def _in_context(plain: Sequence[str], kinds: Sequence[str | None]) -> list[str | None]:
@@ -191,7 +214,7 @@ def _name_and_unit(name: str) -> tuple[str, str | None]:
     """A column's name in plain words, and its unit: "Northing (ft)" -> "northing", "ft"."""
     bracket = re.search(r"[\[(]([^\])]*)[\])]", name)
     word = plain_words(name[: bracket.start()] + name[bracket.end() :] if bracket else name)
-    unit = unit_named(bracket[1]) if bracket else None
+    unit = _unit_in(bracket[1], word) if bracket else None
     if word.startswith(SCALAR) and word not in NAMES:
         word = word.removeprefix(SCALAR)
     if word not in NAMES and unit is None and " " in word:
@@ -201,10 +224,30 @@ def _name_and_unit(name: str) -> tuple[str, str | None]:
     return word, unit
 
 
-def is_units(line: str) -> bool:
-    """Whether a line has nothing but units, as some put under the names: "[m];[m];[m]"."""
-    words = [word for word in re.split(r"[\s,;]+", line.strip().lstrip("#/;%!")) if word]
-    return bool(words) and all(unit_named(word.strip("[]()")) for word in words)
+def _unit_in(text: str, word: str) -> str | None:
+    """The unit in brackets after a coordinate's name; UNKNOWN if it may be one that is not known.
+
+    Raises NotUnderstoodError if the brackets name another coordinate than the word before them.
+    """
+    unit = unit_named(text) or unit_named((text.split() or [""])[0])
+    if unit or NAMES.get(word) not in COORDINATES:
+        return unit
+    meant = NAMES.get(plain_words(text))
+    if meant in COORDINATES and meant != NAMES[word]:
+        raise NotUnderstoodError(f"'{word} ({text})' names two coordinates")
+    return None if meant in COORDINATES or plain_words(text) in DATUMS else UNKNOWN
+
+
+def units_of(line: str, delimiter: str) -> list[str | None] | None:
+    """The units that a line of nothing else names, as some put under the names: "[m];[m];[m]"; else None.
+
+    None among them is for columns that have none: "-;mm;mm;mm", ";[ft];[ft];[ft]".
+    """
+    bare = line.strip().lstrip("#/%!")
+    cells = [cell.strip().strip("[]()\"'") for cell in (bare.split(delimiter) if delimiter.strip() else bare.split())]
+    units = [unit_named(cell) for cell in cells]
+    fine = all(unit or cell in ("", "-", "1") for unit, cell in zip(units, cells, strict=True))
+    return units if fine and any(units) else None
 
 
 def swapped(at: dict[str, int]) -> bool:

@@ -20,8 +20,8 @@ WAY_OUT = "copy it again from where it comes from, or export the scan again"
 
 NOISE = {7: "noise (class 7)", 18: "high noise (class 18)"}
 """Classes of the LAS standard that are no surface, and what they are called."""
-KEYS, DOUBLES = 34735, 34736
-"""Records of the VLRs that hold GeoTIFF keys, and the real numbers of some of them."""
+WKT, KEYS, DOUBLES = 2112, 34735, 34736
+"""Records of the VLRs that hold a well-known text, GeoTIFF keys, and the real numbers of some of these."""
 
 
 def read_las(path: Path, facts: Facts) -> Iterator[Chunk]:
@@ -108,10 +108,15 @@ def _marks(points: Any, classes: NDArray[np.uint8]) -> dict[str, NDArray[np.bool
     return {name: mask for name, mask in found.items() if mask.any()}
 
 
+def _text(record: Any) -> str:
+    """What is in a record with a text, whatever it is encoded in."""
+    return str(record.record_data_bytes().decode("utf-8", errors="replace"))
+
+
 def _crs(reader: Any, facts: Facts) -> Crs | None:
     """The coordinate system: the well-known text if there is one that can be read, else the GeoTIFF keys."""
     records = [*reader.header.vlrs, *(reader.evlrs or [])]
-    texts = [vlr.string for vlr in records if type(vlr).__name__ == "WktCoordinateSystemVlr"]
+    texts = [_text(vlr) for vlr in records if vlr.record_id == WKT and vlr.user_id == "LASF_Projection"]
     found = next((crs for text in texts if (crs := of_wkt(text)) is not None), None)
     if found is not None:
         return found

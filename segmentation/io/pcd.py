@@ -74,6 +74,10 @@ def _layout(path: Path, facts: Facts) -> Layout:
         raise ReadError(path, f"its PCD header makes no sense ({error!r})", WAY_OUT) from error
     if encoding not in DECODERS:
         raise ReadError(path, f"its PCD data is {encoding!r}, known are {', '.join(DECODERS)}", WAY_OUT)
+    if len(place) != 3 or not np.isfinite(place).all():
+        raise ReadError(path, f"its viewpoint {' '.join(header['VIEWPOINT'])} is no place", WAY_OUT)
+    if set(XYZ) <= set(names) and any(dtype[axis].shape for axis in XYZ):
+        raise ReadError(path, "has several values in x, y or z", WAY_OUT)
     if not set(XYZ) <= set(names):
         raise ReadError(path, "has no fields x, y and z", WAY_OUT)
     return Layout(dtype, count, encoding, start, None if place == HOME else np.array([place]))

@@ -19,6 +19,8 @@ TYPES = {
     "float": "f4", "double": "f8", "float32": "f4", "float64": "f8",
 }  # fmt: skip
 ORDERS = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
+MOST = 1 << 40
+"""Records that no file holds."""
 WAY_OUT = "export the scan again as PLY, E57 or LAZ"
 Values = Iterator[tuple[NDArray[np.void], float]]
 
@@ -120,11 +122,11 @@ def layout_of(path: Path, facts: Facts) -> Layout:
     k = next((k for k, e in enumerate(elements) if e.name == "vertex"), None)
     if k is None or not set(XYZ) <= set(elements[k].dtype.names or ()):
         raise ReadError(path, "has no vertices with x, y and z", WAY_OUT)
-    return Layout(encoding, start, tuple(e for e in elements[:k] if e.count), elements[k])
+    return Layout(encoding, start, tuple(e for e in elements[:k] if e.count and e.properties), elements[k])
 
 
 def _count(text: str) -> int:
-    if int(text) < 0:
+    if not 0 <= int(text) < MOST:
         raise ValueError(f"{text} records")
     return int(text)
 
@@ -200,7 +202,8 @@ def _ascii_lists(path: Path, layout: Layout) -> Values:
     with opened(path) as file:
         file.seek(layout.start)
         for _ in range(sum(e.count for e in layout.before)):
-            file.readline()
+            if not file.readline():
+                raise _truncated(path, vertex.count, 0)
         while have < vertex.count:
             line = file.readline()
             if not line:

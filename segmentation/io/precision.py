@@ -16,6 +16,8 @@ COARSE = 0.02
 """m; steps from which on a scan is no use."""
 FEWEST = 100
 """Points; fewer may all be in single precision by chance."""
+ROUNDED = 0.05
+"""Share of single precision's steps that coordinates may have been rounded off by since."""
 SAID = 0.002
 """m; steps that are pointed out."""
 
@@ -30,11 +32,13 @@ def check_precision(
     points = sample(parts, taken)
     if len(points) < FEWEST:
         return
-    # Coordinates that single precision holds to the last bit have been through it.
-    single = (points == points.astype(np.float32)).all(axis=0)
-    largest = np.abs(points).max(axis=0)
-    steps = np.where(single, np.spacing(largest.astype(np.float32)).astype(np.float64), 0.0)
-    steps = np.minimum(steps, [_step(column) for column in points.T]) * scale
+    # Coordinates that single precision holds to the last bit have been through it,
+    # but for what was rounded off since, as LAS and texts do.
+    gaps = np.spacing(np.abs(points).astype(np.float32)).astype(np.float64)
+    single = (np.abs(points - points.astype(np.float32)) <= ROUNDED * gaps).all(axis=0)
+    largest, widest = np.abs(points).max(axis=0), gaps.max(axis=0)
+    steps = np.where(single, widest, 0.0)
+    steps = np.minimum(steps, [_step(c, ROUNDED * gap) for c, gap in zip(points.T, widest, strict=True)]) * scale
     axis = int(np.argmax(steps))
     if steps[axis] < SAID:
         return
@@ -45,9 +49,10 @@ def check_precision(
     facts.tell("precision", said)
 
 
-def _step(values: NDArray[np.float64]) -> float:
-    """The least step between different values (n,); 0 if there is but one."""
+def _step(values: NDArray[np.float64], same: float) -> float:
+    """The least step between values (n,) that differ by more than what is the same; 0 if none do."""
     steps = np.diff(np.unique(values))
+    steps = steps[steps > 2 * same]
     return float(steps.min()) if len(steps) else 0.0
 
 

@@ -27,9 +27,10 @@ WAY_OUT = "export the scan again as PTX, E57 or LAZ"
 
 @dataclass(frozen=True, eq=False)
 class Station:
-    """One scan: its beams, and its motion into the file's frame: file = own @ rotation + translation."""
+    """One scan: its beams, lines of its header, and motion into the file's frame: own @ rotation + translation."""
 
     beams: int
+    lines: int
     rotation: NDArray[np.float64]
     translation: NDArray[np.float64]
 
@@ -44,7 +45,7 @@ def read_ptx(path: Path, facts: Facts) -> Iterator[Chunk]:
     number, line = 0, 0
     with opened(path) as file:
         while (station := _station(path, file, number + 1, line, facts)) is not None:
-            number, line = number + 1, line + 12
+            number, line = number + 1, line + station.lines
             left, width = station.beams, 0
             position: NDArray[np.float64] | None = station.translation[None]
             while left:
@@ -63,9 +64,9 @@ def read_ptx(path: Path, facts: Facts) -> Iterator[Chunk]:
 
 def _station(path: Path, file: BinaryIO, number: int, line: int, facts: Facts) -> Station | None:
     """The next header; None at the end of the file."""
-    first = file.readline(LINE)
+    first, blank = file.readline(LINE), 0
     while first and not first.strip():
-        first = file.readline(LINE)
+        first, blank = file.readline(LINE), blank + 1
     if not first:
         return None
     lines = [first, *(file.readline(LINE) for _ in range(9))]
@@ -76,9 +77,9 @@ def _station(path: Path, file: BinaryIO, number: int, line: int, facts: Facts) -
         if any(len(row) != 1 for row in rows[:2]) or matrix.shape != (4, 4) or min(counts) < 0:
             raise ValueError
     except (ValueError, OverflowError, IndexError):
-        wrong = f"has no whole PTX header of scan {number} in lines {line + 1} to {line + 10}"
+        wrong = f"has no whole PTX header of scan {number} in lines {line + blank + 1} to {line + blank + 10}"
         raise ReadError(path, wrong, WAY_OUT) from None
-    return Station(counts[0] * counts[1], *_motion(path, matrix, number, facts))
+    return Station(counts[0] * counts[1], blank + len(lines), *_motion(path, matrix, number, facts))
 
 
 def _motion(

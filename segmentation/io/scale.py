@@ -81,6 +81,11 @@ def _name(size: float) -> str:
     return NAMES[unit] if unit else f"{size:.9g} m"
 
 
+def _plural(size: float) -> str:
+    name = _name(size)
+    return {"inch": "inches", "foot": "feet", "US survey foot": "US survey feet"}.get(name, f"{name}s")
+
+
 def _factor(size: float) -> str:
     return "" if size == 1 else f" (coordinates times {size:.9g})"
 
@@ -138,7 +143,7 @@ def _check_size(
     ]
     source = f"as stated by {facts.stated_by}" if facts.unit else "which is assumed, for the file states none"
     way_out = f"say --unit {', or '.join(likely)}" if likely else WAY_OUT
-    raise ReadError(path, f"in {_name(float(scale[0]))}s, {source}, the scan {wrong}", way_out + "; --unit m if it is")
+    raise ReadError(path, f"in {_plural(float(scale[0]))}, {source}, the scan {wrong}", way_out + "; --unit m if it is")
 
 
 def _spacing(points: NDArray[np.float64], number: int) -> float:

@@ -120,7 +120,8 @@ class Rows:
             file.seek(0)
             line = file.read(self.start).count(b"\n") + self.skip
             for _ in range(self.skip):
-                file.readline()
+                if not file.readline():
+                    return
             while left != 0:
                 block = file.read(BLOCK) + file.readline(LINE)
                 if not block:

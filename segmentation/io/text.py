@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from segmentation.errors import ReadError
 from segmentation.io.chunk import Chunk
 from segmentation.io.facts import Facts
-from segmentation.io.guess import AmbiguousError, guessed
-from segmentation.io.header import Header, NotUnderstoodError, is_units, names_of, swapped, understood
+from segmentation.io.guess import AmbiguousError, check_northing_first, guessed
+from segmentation.io.header import Header, NotUnderstoodError, names_of, swapped, understood, units_of
 from segmentation.io.place import FAR
 from segmentation.io.table import COMMENTS, HEAD, MISSING, Dialect, Rows, number_of, opened
-from segmentation.units import UNITS, unit_named
+from segmentation.units import UNITS
 
 NUMBER = re.compile(rb"(?<![A-Za-z\d_.])[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?(?![A-Za-z\d_])")
 WORDS = 0.1
@@ -106,7 +106,7 @@ def _layout(path: Path, facts: Facts, said: str | None) -> Layout:
     table = np.array([[_value(word) for word in row] for row in sample])
     before = [row for row in cells[:first] if len(row) == 1 and row[0].isdigit()]
     header, unit_line = _header(path, lines[:first], width, dialect, said)
-    _tell_unit(facts, lines[:first], header, unit_line)
+    _tell_unit(path, facts, lines[:first], header, unit_line, dialect)
     at = _named(path, facts, header, table, words, said) if header else _placed(path, facts, table, words)
     if words & {at["x"], at["y"], at["z"]}:
         raise ReadError(path, f"has words where its header {header and header.line!r} has coordinates", COLUMNS)
@@ -174,7 +174,7 @@ def _header(
             line = raw.decode("latin-1")
         if not line.strip(" \t\r#/;") or line.strip().isdigit():
             continue
-        if is_units(line):
+        if units_of(line, dialect.delimiter.decode()) is not None:
             units = units or line
             continue
         try:
@@ -189,13 +189,20 @@ def _header(
     return None, units
 
 
-def _tell_unit(facts: Facts, lines: list[bytes], header: Header | None, unit_line: str) -> None:
+def _tell_unit(
+    path: Path, facts: Facts, lines: list[bytes], header: Header | None, unit_line: str, dialect: Dialect
+) -> None:
     """Tell the unit that the header states, or a line above the rows."""
     said = dict(header.units) if header else {}
-    if header and unit_line:
-        words = [word.strip("[]()") for word in re.split(r"[\s,;]+", unit_line.strip().lstrip("#/;%!"))]
-        if len(words) == len(header.kinds):
-            said |= {a: unit for a in "xyz" if (unit := unit_named(words[header.at[a]])) is not None}
+    units = units_of(unit_line, dialect.delimiter.decode()) if header and unit_line else None
+    if header and units:
+        if len(units) == len(header.kinds):
+            said |= {axis: unit for axis in "xyz" if (unit := units[header.at[axis]]) is not None}
+        elif len(only := set(filter(None, units))) == 1:
+            said |= dict.fromkeys("xyz", only.pop())
+        else:
+            wrong = f"its line of units {unit_line.strip()[:80]!r} does not fit the columns"
+            raise ReadError(path, wrong, "say the unit, as --unit ft, and leave that line out")
     for line in lines:
         facts.listen(line.decode("latin-1"))
     flat, height = said.get("x") or said.get("y"), said.get("z")
@@ -213,7 +220,13 @@ def _named(
     if said is not None:
         facts.tell("columns", f"columns: {header.order}, as asked")
         return at
-    if swapped(at) and np.nanmax(np.abs(table[:, [at["x"], at["y"]]])) > FAR and re.search(r"\by\b", header.line, re.I):
+    far = np.nan_to_num(np.abs(table[:, [at["x"], at["y"]]])).max(initial=0) > FAR
+    if header.bare and far and not header.units:
+        try:
+            check_northing_first(table[:, [at["x"], at["y"], at["z"]]])
+        except AmbiguousError as error:
+            raise ReadError(path, f"under its header {header.line[:80]!r} {error}", COLUMNS) from None
+    if swapped(at) and header.bare and far:
         why = "has y before x, which may point north; as east it would mirror the scan"
         wrong = f"its header {header.line[:80]!r} {why}"
         raise ReadError(path, wrong, COLUMNS)

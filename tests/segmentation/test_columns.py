@@ -252,3 +252,49 @@ def test_what_a_header_may_be():
     with pytest.raises(NotUnderstoodError, match="degrees"):
         understood("lat,lon,h", 3, ",")
     assert names_of("x y z").order == "x y z"
+
+
+NORTH = np.array([[450_000.25, 5_400_010.5, 101.0], [450_003.5, 5_400_011.25, 102.5], [450_001.0, 5_400_014.75, 103.1],
+                  [450_002.0, 5_400_012.0, 104.0], [450_004.75, 5_400_013.5, 101.5]])  # fmt: skip
+
+
+@pytest.mark.parametrize("head", ["X,Y,Z", "POINT_Y,POINT_X,POINT_Z", "YCoord,XCoord,ZCoord", "Y,X,H"])
+def test_bare_names_over_northing_and_easting_are_refused(tmp_path, head):
+    with pytest.raises(ReadError, match="--columns"):
+        read(written(tmp_path, head, NORTH[:, [1, 0, 2]]))
+
+
+@pytest.mark.parametrize("head", ["X(N),Y(E),Z", "X (Nord),Y (Est),Z", "Nord(X),Est(Y),Quota"])
+def test_brackets_that_name_another_coordinate_are_refused(tmp_path, head):
+    with pytest.raises(ReadError, match="names two coordinates"):
+        read(written(tmp_path, head, LOCAL))
+
+
+@pytest.mark.parametrize("place", [(3_500_000, 5_400_000), (1_500_000, 4_900_000), (2_600_000, 1_200_000)])
+def test_grids_whose_northing_comes_first(tmp_path, place):
+    xyz = LOCAL + [*place, 0]
+    first = ",".join(f"{v:.4f}" for v in xyz[0])
+    np.testing.assert_allclose(points(read(written(tmp_path, first, xyz[1:]))), xyz, atol=1e-2)
+    with pytest.raises(ReadError, match="look like northing and easting"):
+        read(written(tmp_path, ",".join(f"{v:.4f}" for v in xyz[0, [1, 0, 2]]), xyz[1:, [1, 0, 2]]))
+
+
+@pytest.mark.parametrize("head", ["# N E Z", "# Y X Z", "# Rechtswert Hochwert"])
+def test_a_comment_that_names_other_columns_than_there_are(tmp_path, head):
+    with pytest.raises(ReadError, match="another number of columns"):
+        read(written(tmp_path, head, LOCAL, RGB, sep=" "))
+
+
+@pytest.mark.parametrize(
+    "head",
+    ["# long corridor, scan 3", "# Lange Halle", "# Breite der Kirche: 8 m", "# scan of the north east tower",
+     "# exported by Nord Est Rilievi", "# X Y Z, then colours"],
+)  # fmt: skip
+def test_words_of_comments_are_no_names(tmp_path, head):
+    np.testing.assert_allclose(points(read(written(tmp_path, head, LOCAL, RGB, sep=" "))), LOCAL, atol=1e-4)
+
+
+def test_rows_and_columns_of_a_grid_are_no_coordinates(tmp_path):
+    grid = np.column_stack([np.arange(5), np.arange(5) % 3])
+    with pytest.raises(ReadError, match="rows and columns of a grid"):
+        read(written(tmp_path, "7 1 0.5 1.5 2.5", grid, LOCAL, sep=" ", name="a.xyz"))

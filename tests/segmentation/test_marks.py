@@ -167,6 +167,39 @@ def test_projected_coordinates_in_single_precision_are_refused(tmp_path, place, 
         read(tmp_path / "b.txt", columns="x,y,z")
 
 
+@pytest.mark.parametrize("suffix", [".las", ".xyz"])
+def test_single_precision_is_known_when_it_was_rounded_since(tmp_path, suffix):
+    xyz = (shell() + [600_000, 200_000, 400]).astype(np.float32).astype(float)
+    if suffix == ".las":
+        header = laspy.LasHeader(version="1.2", point_format=1)
+        header.scales, header.offsets = [1e-3] * 3, np.floor(xyz.min(axis=0))
+        data = laspy.LasData(header)
+        data.x, data.y, data.z = xyz.T
+        data.write(tmp_path / "a.las")
+    else:
+        np.savetxt(tmp_path / "a.xyz", xyz, fmt="%.3f")
+    with pytest.raises(ReadError, match=r"single precision: near .* in steps of 62 mm"):
+        read(tmp_path / f"a{suffix}")
+
+
+def test_points_set_aside_keep_their_colours(tmp_path):
+    rng = np.random.default_rng(0)
+    color = rng.integers(20_000, 60_000, (N, 3)).astype(np.uint16)
+    color[:50] = rng.integers(0, 200, (50, 3))
+    xyz = shell()
+    red, green, blue = color.T
+    classes = np.where(np.arange(N) < 50, 7, 0).astype(np.uint8)
+    path = las(tmp_path / "a.las", xyz, 7, red=red, green=green, blue=blue, classification=classes)
+    np.testing.assert_array_equal(read(path).whole().color, color)
+
+
+def test_an_origin_that_is_no_place(tmp_path):
+    write_cloud(tmp_path / "a.laz", shell())
+    for origin in ((0, np.nan, 0), (1.0, 2.0)):
+        with pytest.raises(ValueError, match="is no place"):
+            read(tmp_path / "a.laz", origin=origin)
+
+
 def test_single_precision_that_costs_millimetres_is_said(tmp_path):
     write_cloud(tmp_path / "a.ply", (shell() + [90_000, 0, 0]).astype(np.float32))
     assert "in steps of 7.8 mm" in dict(read(tmp_path / "a.ply").notes)["precision"]

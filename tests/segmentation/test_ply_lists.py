@@ -118,3 +118,26 @@ def test_pcd_without_its_comment(tmp_path, head, names):
     text = f"{head}FIELDS {names}\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {N}\nHEIGHT 1\nPOINTS {N}\nDATA binary\n"
     path.write_bytes(text.encode() + XYZ.astype("<f4").tobytes())
     np.testing.assert_allclose(read(path).xyz, XYZ)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("COUNT 1 1 1", "COUNT 2 1 1"),
+        ("WIDTH", "VIEWPOINT 1 2\nWIDTH"),
+        ("WIDTH", "VIEWPOINT nan 0 0 1 0 0 0\nWIDTH"),
+    ],
+)
+def test_a_pcd_header_that_cannot_be(tmp_path, old, new):
+    text = f"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {N}\nHEIGHT 1\nPOINTS {N}\nDATA binary\n"
+    (tmp_path / "a.pcd").write_bytes(text.replace(old, new).encode() + XYZ.astype("<f4").tobytes() * 2)
+    with pytest.raises(ReadError, match=r"several values|is no place"):
+        read(tmp_path / "a.pcd")
+
+
+@pytest.mark.parametrize("count", [10**12, 10**20])
+@pytest.mark.parametrize("encoding", ["ascii", "binary_little_endian"])
+def test_more_of_another_element_than_a_file_can_hold(tmp_path, encoding, count):
+    before = f"element foo {count}\nproperty list uchar int a\n"
+    with pytest.raises(ReadError, match=r"truncated|makes no sense"):
+        read(ply(tmp_path / "a.ply", encoding, b"1 2 3\n" * 50, before=before, inner=""))

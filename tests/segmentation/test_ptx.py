@@ -88,6 +88,7 @@ def test_a_zero_matrix_is_said(tmp_path):
         ),
         (lambda text: text[: len(text) * 4 // 5], "no row of 4 or 7 numbers|is truncated"),
         (lambda text: text.replace("0.5\n", "0.5 9\n"), "no row of 4 or 7 numbers"),
+        (lambda text: text.replace("0.5\n", "0.5 x\n", 1), "line 11 is no row"),
         (lambda text: text.replace("0.800000 0.600000", "0.100000 0.600000"), "matrix of scan 2 is no motion"),
         (lambda text: text.replace("0.800000 0.600000", "-0.800000 -0.600000"), "matrix of scan 2 is no motion"),
         (lambda text: text.replace("\n6\n", "\nsix\n", 1), "no whole PTX header of scan 1"),

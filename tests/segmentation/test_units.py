@@ -263,3 +263,61 @@ def test_an_unknown_unit_is_refused(tmp_path):
     write_cloud(tmp_path / "a.ply", room())
     with pytest.raises(ValueError, match="unit = 'furlong' is not one of m, cm"):
         read(tmp_path / "a.ply", unit="furlong")
+
+
+@pytest.mark.parametrize(
+    ("line", "unit"),
+    [
+        ("# Units: in metres", "m"), ("# Units in feet", "ft"), ("# Unit: in", "in"), ("# Unit in", "in"),
+        ("# Units = US survey ft", "ftUS"), ("# Einheit: Fuß", "ft"), ("# Unità: piedi", "ft"),
+        ("# Unité : pied", "ft"),
+        ("# unit_of_length: ft", "ft"), ("# lengthUnit=ft", "ft"), ("# Unit: 1 ft", "ft"),
+        ("# Unit system: feet", "ft"),
+        ("# Intensity units: in dB", None), ("# angular unit: degree", None), ("# tested in unit 3", None),
+    ],
+)  # fmt: skip
+def test_lines_that_state_a_unit(line, unit):
+    assert unit_said(line) == unit
+
+
+@pytest.mark.parametrize("unit", ["US survey ft", "survey ft", "int. ft", "usSurveyFoot", "ft NAVD88"])
+def test_feet_by_other_names(tmp_path, unit):
+    factor = 0.3048 if unit in ("int. ft", "ft NAVD88") else FT_US
+    np.savetxt(
+        tmp_path / "a.csv", room() / factor, "%.5f", ",", header=",".join(f"{a} ({unit})" for a in "XYZ"), comments=""
+    )
+    np.testing.assert_allclose(size_of(read(tmp_path / "a.csv")), [5, 6, 4], atol=1e-3)
+
+
+@pytest.mark.parametrize("unit", ["dm", "km", "yd", "varas"])
+def test_units_that_nobody_knows_are_no_metres(tmp_path, unit):
+    np.savetxt(tmp_path / "a.csv", room(), "%.5f", ",", header=",".join(f"{a} [{unit}]" for a in "XYZ"), comments="")
+    with pytest.raises(ReadError, match="a unit that is not known"):
+        read(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize("units", ["-;ft;ft;ft", ";[ft];[ft];[ft]", "ft;ft;ft"])
+def test_a_line_of_units_with_gaps(tmp_path, units):
+    rows = "\n".join(f"{k};" + ";".join(f"{v:.5f}" for v in row) for k, row in enumerate(room() / 0.3048))
+    (tmp_path / "a.csv").write_text(f"Nr;X;Y;Z\n{units}\n{rows}\n")
+    np.testing.assert_allclose(size_of(read(tmp_path / "a.csv")), [5, 6, 4], atol=1e-3)
+
+
+def test_a_unit_goes_before_that_of_a_code(tmp_path):
+    for k, head in enumerate(["# units: mm\n# EPSG:25832\n", "# EPSG:25832\n# units: mm\n"]):
+        rows = "\n".join(" ".join(f"{v:.3f}" for v in row) for row in 1000 * room())
+        (tmp_path / f"{k}.xyz").write_text(head + rows + "\n")
+        cloud = read(tmp_path / f"{k}.xyz")
+        np.testing.assert_allclose(size_of(cloud), [5, 6, 4], atol=1e-2)
+        assert cloud.crs.epsg == 25832
+
+
+def test_other_ways_to_name_a_system():
+    for text, epsg in (("EPSG:2263", 2263), ("urn:ogc:def:crs:EPSG::25832", 25832)):
+        assert of_wkt(text).epsg == epsg
+    broken = 'COMPD_CS["x",PROJCS["g",GEOGCS["h",UNIT["degree",0.017]],UNIT["metre",1],VERT_CS["z",UNIT["foot",0.3048]]'
+    assert (of_wkt(broken).unit, of_wkt(broken).height_unit) == (1.0, 0.3048)
+    assert of_wkt('COMPD_CS["geo",GEOGCS["x",UNIT["degree",0.0174]],VERT_CS["z",UNIT["metre",1]]').kind == "geographic"
+    assert of_wkt('PROJCS["x",UNIT["m",.]]').unit is None
+    assert of_geokeys({1024: 1, 3076: 9005}).unit == pytest.approx(0.3047972654)
+    assert of_geokeys({1024: float("nan")}) is None

@@ -57,6 +57,12 @@ def test_what_stands_upright_is_left_alone(floor: bool, slope: float) -> None:
     assert notes == ()
 
 
+def test_more_than_rooms_lean_is_said() -> None:
+    lean, notes = lean_of(thin_of(room(VAULTS[1]) @ tilted((np.radians(10.0), 0.0)).T))
+    assert lean is None
+    assert "walls lean by 10°" in notes[0].text
+
+
 def test_where_only_a_floor_tells_it_is_said() -> None:
     lean, notes = lean_of(thin_of(room(VAULTS[1], walls=False, slope=np.radians(2.0))))
     assert lean is None

@@ -57,7 +57,7 @@ def read_scan(
     from segmentation.io.formats import READERS, read
     from segmentation.io.text import read_text
 
-    if origin is not None and not max(map(abs, origin)) <= FARTHEST:
+    if origin is not None and not all(abs(v) <= FARTHEST for v in origin):
         raise InputError(f"--origin {' '.join(f'{v:g}' for v in origin)}: is no place on earth; give metres")
     if columns is not None and READERS.get(scan.suffix.lower()) not in (None, read_text):
         texts = ", ".join(suffix for suffix, reader in READERS.items() if reader is read_text)
