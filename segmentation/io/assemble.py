@@ -26,6 +26,8 @@ from segmentation.notes import count
 
 FLOAT32_REACH = 800.0
 """Up to here [m] float32 rounds by 0.03 mm at most."""
+HUGE = 1e12
+"""Coordinates beyond this are no lengths on earth in any unit; they are taken for infinite."""
 MINIMUM = 4
 """With fewer points there is neither a scan nor any shape."""
 
@@ -98,9 +100,9 @@ def _sorted(chunk: Chunk, marked: Counter[str], keep_marked: bool) -> tuple[Mask
     """Which points of a chunk are points, those points, which of them take part, their corners; counts the marked."""
     corners = corners_of(chunk.xyz)
     mask = np.ones(len(chunk.xyz), np.bool_)
-    whole = bool(np.isfinite(corners).all())
+    whole = bool((np.abs(corners) < HUGE).all())  # never true of NaN
     if not whole:
-        mask &= np.logical_and.reduce(np.isfinite(chunk.xyz), axis=1)
+        mask &= np.logical_and.reduce(np.abs(chunk.xyz) < HUGE, axis=1)
     if chunk.valid is not None:
         mask &= chunk.valid
         whole = whole and bool(chunk.valid.all())

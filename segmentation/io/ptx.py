@@ -125,7 +125,7 @@ def _table(path: Path, lines: list[bytes], width: int, line: int) -> NDArray[np.
 
 
 def _chunk(table: NDArray[np.float64], station: Station, position: NDArray[np.float64] | None, done: float) -> Chunk:
-    own = table[:, :3]
+    own = np.where(np.isfinite(table[:, :3]), table[:, :3], np.nan)
     return Chunk(
         xyz=own @ station.rotation + station.translation,
         color=table[:, 4:7].copy() if table.shape[1] == 7 else None,

@@ -193,6 +193,22 @@ def test_points_set_aside_keep_their_colours(tmp_path):
     np.testing.assert_array_equal(read(path).whole().color, color)
 
 
+@pytest.mark.parametrize("value", [1e300, -1e15, np.inf, np.nan])
+@pytest.mark.parametrize("suffix", [".ply", ".xyz"])
+def test_numbers_that_are_no_lengths_are_dropped(tmp_path, suffix, value):
+    xyz = shell()
+    xyz[[5, 70], [0, 2]] = value
+    path = tmp_path / f"a{suffix}"
+    if suffix == ".ply":
+        write_cloud(path, xyz)
+    else:
+        np.savetxt(path, xyz)
+    cloud = read(path)
+    assert cloud.dropped == 2
+    assert cloud.kept is not None
+    assert np.flatnonzero(~cloud.kept).tolist() == [5, 70]
+
+
 def test_an_origin_that_is_no_place(tmp_path):
     write_cloud(tmp_path / "a.laz", shell())
     for origin in ((0, np.nan, 0), (1.0, 2.0)):

@@ -13,7 +13,7 @@ from .catalogue import families
 from .client import GoneError, RefusedError
 from .exports import FILTERS, export
 from .fit import region
-from .texts import QT_TRANSLATE_NOOP, complain, translate
+from .texts import QT_TRANSLATE_NOOP, complain, say, translate
 from .view import icon
 
 SCANS = "*.e57 *.las *.laz *.ply *.pcd *.ptx *.pts *.xyz *.csv *.txt *.asc"
@@ -176,7 +176,9 @@ class Export(Command):
         path, chosen = QtGui.QFileDialog.getSaveFileName(Gui.getMainWindow(), title, "", FILTERS)
         if path:
             suffix = "" if "." in path.rsplit("/", 1)[-1] else "." + chosen.split()[0].lower()
-            export(self._vaults(), path + suffix)
+            vaults = self._vaults()
+            export(vaults, path + suffix)
+            say(f"{path + suffix}: {', '.join(obj.Label for obj in vaults)}")
 
     def _vaults(self) -> list[Any]:
         chosen = [obj for obj in Gui.Selection.getSelection() if vault.is_vault(obj)]
