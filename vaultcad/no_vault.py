@@ -2,7 +2,8 @@
 
 Measured on virtual scans (29 November 2026): the stone of vaults that had settled by up to 10 cm was at most 3.6 cm off
 the fitted family (rms), tunnels, caves and roofs at least 4.7 cm; of mirror vaults at most 85 % of the points lay in a
-layer 3 cm high, of ceilings with beams, coffers and panels at least 87 %. `python -m bench barren` repeats it.
+layer 3 cm high, of ceilings with beams, coffers and panels at least 87 %. `python -m bench barren` counts what these
+limits let through and what they lose.
 """
 
 from __future__ import annotations

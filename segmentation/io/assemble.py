@@ -19,7 +19,7 @@ from segmentation.io.facts import Facts
 from segmentation.io.place import origin_of
 from segmentation.io.precision import check_precision
 from segmentation.io.ranges import color16, intensity16
-from segmentation.io.sample import corners_of, joined
+from segmentation.io.sample import box_of, corners_of, sample
 from segmentation.io.scale import scale_of
 from segmentation.io.specks import far_specks
 from segmentation.notes import count
@@ -63,16 +63,17 @@ def assemble(
     n = sum(int(used.sum()) for used in taken)
     _check_count(path, total=sum(map(len, points)), valid=sum(len(p.xyz) for p in parts), unmarked=n)
 
-    corners = joined(ends)
+    corners = box_of(ends)
     specks = far_specks([p.xyz for p in parts], taken, corners)
     if specks is not None:
         taken = [used & ~speck for used, speck in zip(taken, specks, strict=True)]
         n = sum(int(used.sum()) for used in taken)
-        corners = joined([corners_of(p.xyz[used]) for p, used in zip(parts, taken, strict=True)])
-    scale = scale_of(path, facts, [p.xyz for p in parts], taken, asked=unit, up=up)
+        corners = box_of([corners_of(p.xyz[used]) for p, used in zip(parts, taken, strict=True)])
+    few = sample([p.xyz for p in parts], taken)
+    scale = scale_of(path, facts, few, n, asked=unit, up=up)
     if specks is not None:
         _tell_specks(facts, parts, specks, corners, scale)
-    check_precision(path, facts, [p.xyz for p in parts], taken, scale)
+    check_precision(path, facts, few, scale)
     where = origin_of(path, facts, np.sort(turn(corners * scale, up), axis=0), asked=origin)
     _tell_marked(facts, marked, keep_marked)
     _tell_dropped(facts, sum(map(len, points)) - sum(len(p.xyz) for p in parts))
@@ -86,7 +87,7 @@ def assemble(
     aside = None
     if n < len(used):
         rest = [p.only(~used) for p, used in zip(parts, taken, strict=True)]
-        around = joined([corners_of(p.xyz) for p in rest])
+        around = box_of([corners_of(p.xyz) for p in rest])
         parts = [p.only(used) for p, used in zip(parts, taken, strict=True)]
         aside = _cloud(
             rest, path, Facts(), up=up, scale=scale, origin=where, corners=around, kept=others, dropped=0, like=parts

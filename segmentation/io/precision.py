@@ -1,16 +1,12 @@
 """Projected coordinates kept in single precision, whose points stand on a grid of centimetres to half metres."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from segmentation.cloud import Floats
 from segmentation.errors import ReadError
-from segmentation.io.chunk import Mask
 from segmentation.io.facts import Facts
-from segmentation.io.sample import sample
 
 COARSE = 0.02
 """m; steps from which on a scan is no use."""
@@ -22,14 +18,11 @@ SAID = 0.002
 """m; steps that are pointed out."""
 
 
-def check_precision(
-    path: Path, facts: Facts, parts: Sequence[Floats], taken: Sequence[Mask], scale: NDArray[np.float64]
-) -> None:
-    """See that the coordinates are finer than masonry is rough; scale: (3,) metres in the file's units.
+def check_precision(path: Path, facts: Facts, points: NDArray[np.float64], scale: NDArray[np.float64]) -> None:
+    """See that coordinates (k, 3) are finer than masonry is rough; scale: (3,) metres in the file's units.
 
     Raises ReadError if they come in steps of `COARSE` or more.
     """
-    points = sample(parts, taken)
     if len(points) < FEWEST:
         return
     # Coordinates that single precision holds to the last bit have been through it,

@@ -22,7 +22,7 @@ def corners_of(points: Floats) -> NDArray[np.float64]:
     return np.array([[points[:, k].min() for k in range(3)], [points[:, k].max() for k in range(3)]], np.float64)
 
 
-def joined(corners: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+def box_of(corners: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
     """Corners (2, 3) around all corners."""
     ends = np.array(corners).reshape(-1, 2, 3)
     return np.stack([ends[:, 0].min(axis=0, initial=np.inf), ends[:, 1].max(axis=0, initial=-np.inf)])

@@ -1,16 +1,13 @@
 """Metres in the units of a file: as it states, as the user says, or as no room contradicts."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from segmentation.cloud import Floats, Up, turn
+from segmentation.cloud import Up, turn
 from segmentation.errors import ReadError
-from segmentation.io.chunk import Mask
 from segmentation.io.facts import Facts
-from segmentation.io.sample import sample
 from segmentation.units import NAMES, UNITS, unit_of
 
 BULK = (0.01, 0.99)
@@ -37,21 +34,21 @@ WAY_OUT = "say --unit with one of " + ", ".join(UNITS)
 
 
 def scale_of(
-    path: Path, facts: Facts, parts: Sequence[Floats], taken: Sequence[Mask], *, asked: str | None, up: Up
+    path: Path, facts: Facts, points: NDArray[np.float64], number: int, *, asked: str | None, up: Up
 ) -> NDArray[np.float64]:
     """Metres in a unit along each axis (3,) of the file; tells what was assumed or converted.
 
-    asked: one of UNITS that the user says.
+    points: (k, 3) a sample of those that take part, in the file's unit; number: how many they stand for. asked: one of
+    UNITS that the user says.
     Raises ReadError if the file's coordinates are no lengths in space, or no scan of a room could have their size.
     """
     _check_kind(path, facts)
-    points = sample(parts, taken)
     _check_degrees(path, facts, points, asked)
     if asked is not None:
         return _as_asked(facts, asked)
-    flat = facts.unit or UNITS[facts.format_unit or "m"]
+    flat = facts.unit or facts.height_unit or UNITS[facts.format_unit or "m"]  # one that is said is that of all
     scale = np.array([flat, flat, facts.height_unit or flat])
-    _check_size(path, facts, turn(points * scale, up), scale, number=sum(int(used.sum()) for used in taken))
+    _check_size(path, facts, turn(points * scale, up), scale, number=number)
     _tell(facts, scale)
     return scale
 

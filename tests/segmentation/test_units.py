@@ -80,6 +80,7 @@ def test_a_wkt_of_las_states_the_unit(tmp_path, unit, version, suffix):
         ([(1024, 0, 1, 1), (3072, 0, 1, 32633), (3076, 0, 1, 9001)], None, 1.0),
         ([(1024, 0, 1, 1), (3076, 0, 1, 32767), (3077, 34736, 1, 0)], [0.01], 0.01),
         ([(3076, 0, 1, 9003)], None, FT_US),
+        ([(4099, 0, 1, 9002)], None, 0.3048),
     ],
 )
 def test_geotiff_keys_of_las_state_the_unit(tmp_path, keys, doubles, factor):

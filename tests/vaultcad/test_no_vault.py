@@ -83,7 +83,7 @@ def test_every_kind_of_scene_can_be_drawn() -> None:
         assert xyz.tobytes() == again.tobytes()
 
 
-def test_a_surface_that_is_rough_or_level_is_named() -> None:
+def test_a_surface_that_is_too_rough_is_named() -> None:
     rng = np.random.default_rng(0)
     vault = Barrel(4.0, 6.0)
     walls = np.concatenate(
@@ -92,7 +92,7 @@ def test_a_surface_that_is_rough_or_level_is_named() -> None:
     rough = vault.sample(12_000, rng).xyz
     rough = rough + 0.06 * rng.standard_normal((len(rough), 1)) * [0, 0, 1]
     cloud = Cloud(np.concatenate([rough, walls.reshape(-1, 3)]).astype(np.float32))
-    with pytest.raises(NoVaultError, match=r"too rough for a vault|explains"):
+    with pytest.raises(NoVaultError, match="too rough for a vault"):
         fit_scan(cloud, Settings(families=(Barrel,)))
 
 
