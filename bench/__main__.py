@@ -7,7 +7,7 @@ import os
 import platform
 from datetime import date
 
-from bench import barren, cost, rooms, shapes, uncertainty, workbench
+from bench import barren, cost, profiles, rooms, shapes, uncertainty, workbench
 from bench.peers import table as peers
 
 BENCHMARKS = {
@@ -16,6 +16,7 @@ BENCHMARKS = {
     "peers": peers.run,
     "rooms": rooms.run,
     "barren": barren.run,
+    "profiles": profiles.run,
     "uncertainty": uncertainty.run,
     "workbench": workbench.run,
 }
@@ -31,6 +32,7 @@ def main() -> None:
     peers.options(parser)
     rooms.options(parser)
     barren.options(parser)
+    profiles.options(parser)
     uncertainty.options(parser)
     chosen = parser.parse_args()
     unknown = sorted(set(chosen.names) - set(BENCHMARKS))

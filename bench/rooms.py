@@ -61,7 +61,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     """Those of this benchmark."""
     parser.add_argument("--rooms", type=int, default=DEFAULT, help=f"virtual scans (rooms), default {DEFAULT}")
     parser.add_argument("--first", type=int, default=FIRST, help=f"seed of the first of them (rooms), default {FIRST}")
-    parser.add_argument("--workers", type=int, default=1, help="processes (rooms), default 1")
+    parser.add_argument("--workers", type=int, default=1, help="processes (rooms, profiles), default 1")
 
 
 def run(chosen: argparse.Namespace) -> None:

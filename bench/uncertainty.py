@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import VaultcadError
-from vaultcad.export.report_json import profiles
 from vaultcad.model import FittedVault
 from vaultcad.pipeline import Settings, fit_scan
 from vaultcad.scanner import draw, scan
@@ -94,7 +93,7 @@ def _numbers(family: type[Vault], seed: int) -> list[Number] | str:
     yaw = radians(virtual.truth["pose"]["yaw_deg"])
     quarter = quarters(nearest.pose.yaw, yaw)
     true = turned(vault, quarter)
-    if true is None or true[1] != profiles(nearest.vault):
+    if true is None or true[1] != {name: arch.id for name, arch in nearest.vault.profiles.items()}:
         return "other profiles found than the true ones"
     sizes = {**true[0], "x": 0.0, "y": 0.0, "z": settings.wall_height, "yaw": yaw + quarter * pi / 2}
     return compared(nearest, sizes)

@@ -100,6 +100,11 @@ class Vault(Parametric):
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     @property
+    def profiles(self) -> dict[str, Profile]:
+        """The arches that it is made with, by the names of their fields."""
+        return {name: value for name, value in vars(self).items() if isinstance(value, Profile)}
+
+    @property
     def straight(self) -> Self:
         """The same over the rectangle from which its plan was skewed."""
         return self if self.skew is None else replace(self, skew=None)

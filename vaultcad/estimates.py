@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from families.parameters import Derived, Range, derived_declarations
+from vaultcad.choices import Choice, deviation
 from vaultcad.coverage import Sight, information
 from vaultcad.model import Covariance, Estimate
 from vaultcad.solve import Solution
@@ -18,19 +21,27 @@ WEAK_SHARE = 0.1  # the same of a ratio / its range
 
 
 def estimates(
-    solution: Solution, points: NDArray[np.float64], sight: Sight, covariance: Covariance
+    solution: Solution,
+    points: NDArray[np.float64],
+    sight: Sight,
+    covariance: Covariance,
+    choices: Sequence[Choice] = (),
 ) -> dict[str, Estimate]:
-    """Parameters, then derived sizes, of a solution that rests on points (n, 3) [m]; what was held has no deviation."""
+    """Parameters, then derived sizes, of a solution that rests on points (n, 3) [m]; what was held has no deviation.
+
+    choices: with which the vault may have been built, the solution's first; deviations allow for them.
+    """
     vault, slopes = solution.placed.vault, slopes_of_sizes(solution)
     told = information(solution, points, sight)
     short = 2 * min(vault.plan.half_x, vault.plan.half_y)
 
     def estimate(name: str, value: float, of: Range | Derived, weak: float, *, derived: bool) -> Estimate:
-        std = covariance.std(slopes[name])
+        own = covariance.std(slopes[name])
+        std = deviation(name, value, own, choices)
         if std < NOTHING:
             return Estimate(value, of.unit, None, of.meaning, derived)
-        seen = told.share(slopes[name])
-        flags = {"unseen": seen < UNSEEN, "weak": std > weak}
+        seen = None if own < NOTHING else told.share(slopes[name])  # where a constraint decides, other choices vary
+        flags = {"unseen": seen is not None and seen < UNSEEN, "weak": std > weak}
         return Estimate(value, of.unit, std, of.meaning, derived, seen, tuple(flag for flag, up in flags.items() if up))
 
     found, values = {}, vault.values()

@@ -144,6 +144,34 @@ class Component:
 
 
 @dataclass(frozen=True)
+class Rival:
+    """One way in which a vault may have been built: arches by the ids of their kinds, constraints that hold, sizes.
+
+    chance: how likely it is. sizes: parameters and derived sizes before the settlement [m, rad, 1]. springing: above
+    that of the vault as it was fitted [m].
+    """
+
+    chance: float
+    profiles: Mapping[str, str]
+    constraints: tuple[str, ...]
+    sizes: Mapping[str, float]
+    springing: float
+
+
+SAID = 0.95  # what is said of an arch holds with this chance
+
+
+def said(odds: Mapping[str, float]) -> tuple[str, ...]:
+    """The kinds that together have a chance of `SAID` or more, as few as can be, the likeliest first."""
+    kinds: list[str] = []
+    for kind in sorted(odds, key=lambda kind: -odds[kind]):
+        if kinds and sum(odds[known] for known in kinds) >= SAID:
+            break
+        kinds.append(kind)
+    return tuple(kinds)
+
+
+@dataclass(frozen=True)
 class FittedVault:
     """One vault of the scan: family with its parameters, pose, how sure, and how far the stone is from it."""
 
@@ -161,6 +189,14 @@ class FittedVault:
     tolerance: float = 0.03  # m, half of the band that its points lie in
     thickness: float | None = None  # m, of its masonry; None for that of the model
     label: str = ""  # what a user calls it
+    odds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # of each arch: kind -> chance
+    rivals: tuple[Rival, ...] = ()  # how it may have been built, the likeliest, which is this one, first
+
+    @property
+    def arches(self) -> dict[str, str]:
+        """What is known of each arch's kind, in words: "semicircular or elliptical"."""
+        arches = self.vault.profiles.items()
+        return {name: " or ".join(said(self.odds.get(name, {arch.id: 1.0}))) for name, arch in arches}
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, Any]:
         """What a notebook shows."""

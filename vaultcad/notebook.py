@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.notebook import Trace, sections, shown, surfaces, table, titled
-from vaultcad.export.report_json import profiles
 from vaultcad.export.report_json import shown as readable
 from vaultcad.model import Estimate, FittedVault, Model
 
@@ -91,7 +90,7 @@ def _page(fitted: FittedVault, number: str, points: Floats | None) -> str:
 
 
 def _rows(fitted: FittedVault) -> list[Row]:
-    kinds = [(name, kind, "", "kind of arch") for name, kind in profiles(fitted.vault).items()]
+    kinds = [(name, kind, "", "kind of arch") for name, kind in fitted.arches.items()]
     return kinds + [(name, *_told(readable(e)), e.meaning) for name, e in fitted.parameters.items()]
 
 

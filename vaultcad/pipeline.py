@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
 from vaultcad.as_built import displacement
+from vaultcad.choices import odds, rivals, widened
 from vaultcad.coverage import look
 from vaultcad.demands import demand
 from vaultcad.deviation import summarise
@@ -149,6 +150,7 @@ def _measured(
     apart = _open_ends(found.site, placed)
     if any(apart):
         spread = replace(spread, matrix=spread.matrix + open_ends(solution, apart))
+    told = estimates(solution, fitted, sight, spread, found.choices)
     (points,) = np.nonzero(labels.vault == number)
     component, deviation = labels.component[points], labels.deviation[points]
     components = []
@@ -161,14 +163,16 @@ def _measured(
         pose=placed.pose,
         confidence=ranking[0],
         alternatives=tuple((h.vault.id, c) for h, c in zip(found.hypotheses[1:], ranking[1:], strict=True)),
-        parameters=estimates(solution, fitted, sight, spread),
+        parameters=told,
         components=tuple(components),
         deviation=summarise(deviation),
         coverage=sight.whole,
         converged=solution.converged,
         as_built=_as_built(placed, on, thinned.deviation[mine].astype(np.float64), rng),
-        covariance=spread,
+        covariance=widened(spread, placed, found.choices),
         tolerance=found.tolerance,
+        odds=odds(found.choices),
+        rivals=rivals(found.choices, placed),
     )
 
 

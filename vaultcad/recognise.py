@@ -156,7 +156,7 @@ class _Judge:
             placed = best.solution.placed
             old = getattr(placed.vault, name)
             for kind in PROFILES:
-                new = None if type(old) is kind else _as(kind, old)
+                new = None if type(old) is kind else as_kind(kind, old)
                 if new is None:
                     continue
                 vault = placed.vault.with_arches({name: new})
@@ -178,8 +178,10 @@ def turned_over(
     return replace(placed, vault=vault.replaced(constraint.holds(vault))), (*kept, constraint)
 
 
-def _as(kind: type[Profile], profile: Profile) -> Profile | None:
-    """A profile of another kind, as near as it can be, or None if it would be far."""
+def as_kind(kind: type[Profile], profile: Profile) -> Profile | None:
+    """A profile as one of another kind, as near as it can be, or None if it would be far."""
+    if type(profile) is kind:
+        return profile
     ratio = profile.rise(0.5)
     for near in (ratio, ratio - 0.02, ratio + 0.02, ratio - 0.06, ratio + 0.06):
         if (made := kind.over(near)) is not None:

@@ -28,13 +28,13 @@ WALLS = 0.03  # weight of a wall's point in the last fit
 
 @dataclass(frozen=True)
 class Refined:
-    """The final solution with the points it rests on and the scatter (robust standard deviation) they leave [m].
+    """The final solution with the evidence it rests on and the scatter (robust standard deviation) that it leaves [m].
 
     kept: the constraints that hold in it. loosest: what may move if only those are kept that seldom fail.
     """
 
     solution: Solution
-    points: Array
+    evidence: Evidence
     scatter: float
     kept: tuple[Constraint, ...]
     loosest: Freedom
@@ -43,6 +43,11 @@ class Refined:
     def placed(self) -> Placed:
         """The vault where it stands."""
         return self.solution.placed
+
+    @property
+    def points(self) -> Array:
+        """That the solution rests on (n, 3) [m]."""
+        return self.evidence.points
 
     @property
     def loose(self) -> Solution:
@@ -70,8 +75,15 @@ def refine(winner: Hypothesis, site: Site, rng: np.random.Generator, *, demands:
             best = less if fit.gain(more, less) > price else more
     # What is reported are the deviations of the vault's points: walls only help, and what is seen well counts more.
     weights = np.where(site.weights < 1, WALLS, 1.0) * np.sqrt(site.counts)
-    last = _Fit(Evidence.draw(site, POINTS, rng, demands, weights=weights), demands, LAST, 60)
-    return last(best.placed, best.kept, best.scatter)
+    evidence = Evidence.draw(site, POINTS, rng, demands, weights=weights)
+    return settled(best.placed, best.kept, evidence, best.scatter, demands)
+
+
+def settled(
+    start: Placed, kept: Sequence[Constraint], evidence: Evidence, scatter: float, demands: Demands = NONE
+) -> Refined:
+    """The last fit to all evidence, from near by, under these constraints; `scatter`: what is known of it [m]."""
+    return _Fit(evidence, demands, LAST, 60)(start, kept, scatter)
 
 
 @dataclass(frozen=True)
@@ -91,7 +103,7 @@ class _Fit:
             solution = self.evidence.solve(start, free, (scale,), most=self.most, gain=self.close)
             start, scatter = solution.placed, _scatter(solution, self.evidence.weights)
         loosest = self.demands.freedom(solution.placed.vault, [c for c in kept if c.rare])
-        return Refined(solution, self.evidence.points, scatter, tuple(kept), loosest)
+        return Refined(solution, self.evidence, scatter, tuple(kept), loosest)
 
     def gain(self, worse: Refined, better: Refined) -> float:
         """How much more likely the second is, in the units of a score."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from families import Lunette, Vault
 from vaultcad.arches import bay_of, without_arches
 from vaultcad.bays import LEAST, Ceiling, Region
+from vaultcad.choices import Choice, likeliest, weigh
 from vaultcad.errors import NoVaultError
 from vaultcad.freedom import NONE, Demands
 from vaultcad.label import label
@@ -36,12 +37,16 @@ FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen o
 
 @dataclass(frozen=True)
 class Found:
-    """One vault of a scan. hypotheses: the most likely first. tolerance: of the band its points lie in [m]."""
+    """One vault of a scan. hypotheses: the most likely first. tolerance: of the band its points lie in [m].
+
+    choices: of arches and constraints, the likeliest first, with which it is refined.
+    """
 
     site: Site
     hypotheses: tuple[Hypothesis, ...]
     refined: Refined
     tolerance: float
+    choices: tuple[Choice, ...] = ()
 
     @property
     def placed(self) -> Placed:
@@ -65,7 +70,19 @@ def find_vaults(
     found = search.region(search.ceiling.room)
     if not found:
         raise search.refusals[0]
-    return tuple(found)
+    return tuple(_likeliest(one, demands, rng) for one in found)
+
+
+def _likeliest(found: Found, demands: Demands, rng: np.random.Generator) -> Found:
+    """The same vault with the arches and under the constraints with which it was most likely built."""
+    choices = weigh(found.refined, demands, rng)
+    refined = likeliest(found.refined, choices, demands)
+    return replace(found, refined=refined, tolerance=_tolerance(refined), choices=choices)
+
+
+def _tolerance(refined: Refined) -> float:
+    """Half of the band that the points of a vault lie in [m]."""
+    return float(np.clip(BAND * refined.scatter, *TOLERANCE))
 
 
 @dataclass(frozen=True)
@@ -148,7 +165,7 @@ class _Search:
         site = _under_its_ceiling(find_site(thin, xyz), thin)
         hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
         refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
-        found = Found(site, hypotheses, refined, float(np.clip(BAND * refined.scatter, *TOLERANCE)))
+        found = Found(site, hypotheses, refined, _tolerance(refined))
         check(refined, site, found.tolerance)
         return found
 

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.solve import Solution
+from families.vault import Surface
+from vaultcad.solve import Placed, Solution
 
 Array = NDArray[np.float64]
 
@@ -30,6 +31,61 @@ FAINT = 1e-4  # share of the variance that is let go, to be quick
 LENGTHS = (0.3, 0.5, 0.8)  # of the waves / shorter span
 STRENGTH, STRENGTH_SPREAD = 0.01, 0.7  # m, of a vault that has moved by 3 cm at most; spread of its logarithm
 LENGTH, LENGTH_SPREAD = 0.5, 0.5  # waves are from one to three spans long; spread of the logarithm
+PRIOR: Array = -0.5 * (
+    (np.log(np.array(LENGTHS) / LENGTH) / LENGTH_SPREAD)[:, None] ** 2
+    + (np.log(STRENGTHS / STRENGTH) / STRENGTH_SPREAD) ** 2
+)
+"""Logarithm (lengths, strengths) of how likely they are beforehand, up to a constant."""
+
+
+@dataclass(frozen=True)
+class Partition:
+    """Points of a vault or its walls in blocks that lie together on one component or one wall.
+
+    block: (n,) that each point lies in. weights: (n,) of the points. place: (m, 3) [m], normal: (m, 3): of the blocks,
+    in the vault's frame.
+    """
+
+    block: NDArray[np.int64]
+    weights: Array
+    place: Array
+    normal: Array
+
+    @classmethod
+    def of(cls, placed: Placed, points: Array, weights: Array) -> Partition:
+        """Of points (n, 3) [m] with weights (n,) beside a vault."""
+        frame = placed.pose.frame()
+        local = points @ frame[:, :3].T + frame[:, 3]
+        surface = placed.vault.evaluate(local, walls=True)
+        block = _blocks(local, faces(surface))
+        empty = np.empty((0, 3))
+        places = cls(block, weights, empty, empty)
+        return cls(block, weights, places.means(local), places.means(surface.normal))
+
+    @property
+    def weight(self) -> Array:
+        """Sum (m,) of the weights of each block."""
+        out: Array = np.bincount(self.block, self.weights).astype(np.float64)
+        return out
+
+    def means(self, values: Array) -> Array:
+        """Weighted means (m, k) of values (n, k) over the blocks."""
+        columns = [np.bincount(self.block, self.weights * column) for column in values.T]
+        out: Array = np.stack(columns, axis=1) / np.maximum(self.weight, 1e-300)[:, None]
+        return out
+
+
+def faces(surface: Surface) -> NDArray[np.int64]:
+    """Number (n,) of the component or the wall that points are nearest to; walls are told apart by where they face."""
+    facing = np.argmax(np.abs(surface.normal), axis=1)
+    side = 2 * facing + (np.take_along_axis(surface.normal, facing[:, None], axis=1)[:, 0] > 0)
+    out: NDArray[np.int64] = np.where(surface.component > 0, surface.component.astype(np.int64) + 6, side)
+    return out
+
+
+def scatter_of(residuals: Array) -> float:
+    """Robust standard deviation of the residuals of blocks (m,) [m], within reason."""
+    return float(np.clip(1.4826 * np.median(np.abs(residuals)), *SCATTERS)) if len(residuals) else SCATTERS[1]
 
 
 @dataclass(frozen=True)
@@ -50,26 +106,10 @@ class Blocks:
 
 def block_means(solution: Solution, points: Array) -> Blocks:
     """Of the points (n, 3) [m] that a solution rests on."""
-    frame = solution.placed.pose.frame()
-    local = points @ frame[:, :3].T + frame[:, 3]
-    surface = solution.placed.vault.evaluate(local, walls=True)
-    # Walls have no component: the four are told apart by where they face.
-    facing = np.argmax(np.abs(surface.normal), axis=1)
-    side = 2 * facing + (np.take_along_axis(surface.normal, facing[:, None], axis=1)[:, 0] > 0)
-    face = np.where(surface.component > 0, surface.component.astype(np.int64) + 6, side)
-    block = _blocks(local, face)
-    count = int(block.max(initial=-1)) + 1
-    weight: Array = np.bincount(block, solution.weights, count).astype(np.float64)
-
-    def mean(values: Array) -> Array:
-        columns = [np.bincount(block, solution.weights * column, count) for column in values.T]
-        return np.stack(columns, axis=1) / np.maximum(weight, 1e-300)[:, None]
-
-    residual = mean(solution.residuals[:, None])[:, 0]
-    scatter = float(np.clip(1.4826 * np.median(np.abs(residual)), *SCATTERS)) if count else SCATTERS[1]
-    return Blocks(
-        weight, residual, mean(solution.jacobian), mean(local), mean(surface.normal), abs(residual) < OUTLIER * scatter
-    )
+    parts = Partition.of(solution.placed, points, solution.weights)
+    residual = parts.means(solution.residuals[:, None])[:, 0]
+    usable = abs(residual) < OUTLIER * scatter_of(residual)
+    return Blocks(parts.weight, residual, parts.means(solution.jacobian), parts.place, parts.normal, usable)
 
 
 def _blocks(local: Array, face: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -90,13 +130,9 @@ def motion(blocks: Blocks, half: tuple[float, float], rise: float) -> Array:
 
     half: half extents of the plan [m]. rise: of the crown above the springing [m].
     """
-    apart = ((blocks.place[:, None] - blocks.place[None]) ** 2).sum(axis=2)
-    alike = blocks.normal @ blocks.normal.T
-    modes = _modes(blocks, half, rise)
-    shapes = [np.exp(-0.5 * apart / (length * 2 * min(half)) ** 2) * alike + modes @ modes.T for length in LENGTHS]
+    shapes = smooth_fields(blocks.place, blocks.normal, half, rise)
     likely = np.stack([_log_likelihood(shape, blocks) for shape in shapes])
-    likely -= 0.5 * (np.log(np.array(LENGTHS) / LENGTH) / LENGTH_SPREAD)[:, None, None] ** 2
-    likely -= 0.5 * (np.log(STRENGTHS / STRENGTH) / STRENGTH_SPREAD)[:, None] ** 2
+    likely += PRIOR[:, :, None]
     share = np.exp(likely - likely.max())
     share /= share.sum()
     # The mean over all that is likely, so that what the scan cannot tell widens the result.
@@ -106,11 +142,22 @@ def motion(blocks: Blocks, half: tuple[float, float], rise: float) -> Array:
     return out
 
 
-def _modes(blocks: Blocks, half: tuple[float, float], rise: float) -> Array:
+def smooth_fields(place: Array, normal: Array, half: tuple[float, float], rise: float) -> list[Array]:
+    """Covariances (m, m) of blocks at (m, 3) [m] with normals (m, 3) along these, for waves of each of `LENGTHS`.
+
+    half: half extents of the plan [m]. rise: of the crown above the springing [m]. They are of unit strength.
+    """
+    apart = ((place[:, None] - place[None]) ** 2).sum(axis=2)
+    alike = normal @ normal.T
+    modes = _modes(place, normal, half, rise)
+    return [np.exp(-0.5 * apart / (length * 2 * min(half)) ** 2) * alike + modes @ modes.T for length in LENGTHS]
+
+
+def _modes(place: Array, normal: Array, half: tuple[float, float], rise: float) -> Array:
     """How blocks (m, 3) move along their normals when the springings spread in x and in y, and the crown falls."""
-    height = np.clip(blocks.place[:, 2] / max(rise, 1e-3), 0, 1)
-    x, y = (np.clip(blocks.place[:, k] / half[k], -1, 1) for k in (0, 1))
-    return GIVING * np.stack([x * (1 - height), y * (1 - height), -height], axis=1) * blocks.normal
+    height = np.clip(place[:, 2] / max(rise, 1e-3), 0, 1)
+    x, y = (np.clip(place[:, k] / half[k], -1, 1) for k in (0, 1))
+    return GIVING * np.stack([x * (1 - height), y * (1 - height), -height], axis=1) * normal
 
 
 def _log_likelihood(shape: Array, blocks: Blocks) -> Array:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import typer
 
-from families import Profile
 from vaultcad.cli.tables import show_table
 from vaultcad.model import FLAGS, Estimate, FittedVault, Model
 
@@ -15,18 +14,20 @@ from vaultcad.model import FLAGS, Estimate, FittedVault, Model
 def show_summary(model: Model, out: Path) -> None:
     """The vaults of a model, and the files of its folder, on standard output."""
     for fitted in model.vaults:
-        show_table(("", ""), _rows(fitted))
+        show_table(("", ""), _rows(fitted, float(model.origin[2])))
     typer.echo(f"{out}: {', '.join(sorted(path.name for path in out.iterdir()))}")
 
 
-def _rows(fitted: FittedVault) -> Iterator[tuple[str, str]]:
+def _rows(fitted: FittedVault, up: float) -> Iterator[tuple[str, str]]:
+    """Up: height of the scan's origin [m]."""
     yield "family", f"{fitted.vault.title} ({fitted.vault.id}), confidence {fitted.confidence:.0%}"
     others = ", ".join(f"{name} {score:.0%}" for name, score in fitted.alternatives[:3])
     if others:
         yield "or else", others
-    for name, value in vars(fitted.vault).items():
-        if isinstance(value, Profile):
-            yield name, value.id
+    for name, kinds in fitted.arches.items():
+        yield name, kinds + _odds(fitted.odds.get(name, {}), kinds)
+    spread = {} if fitted.covariance is None else fitted.covariance.stds()
+    yield "springing", f"at {_length(fitted.pose.z + up, spread.get('z'))}"
     for name, estimate in fitted.parameters.items():
         if estimate.unit == "m":
             yield name, _size(estimate)
@@ -48,6 +49,15 @@ def _rows(fitted: FittedVault) -> Iterator[tuple[str, str]]:
         yield "note", "the fit did not settle; look at the report before you use it"
 
 
+def _odds(odds: Mapping[str, float], kinds: str) -> str:
+    """How likely each of the kinds that are said is."""
+    told = ", ".join(f"{odds[kind]:.0%}" for kind in kinds.split(" or ") if kind in odds)
+    return f" ({told})" if told else ""
+
+
 def _size(estimate: Estimate) -> str:
-    std = "" if not estimate.std else f" ± {1000 * estimate.std:.1f} mm"
-    return f"{estimate.value:.3f} m{std} {estimate.marks}".rstrip()
+    return f"{_length(estimate.value, estimate.std)} {estimate.marks}".rstrip()
+
+
+def _length(value: float, std: float | None) -> str:
+    return f"{value:.3f} m" + (f" ± {1000 * std:.1f} mm" if std else "")

@@ -19,7 +19,6 @@ from families import Barrel, Dome, Lunette, Vault
 from vaultcad.export.geometry import Body, bodies
 from vaultcad.export.ifc_author import Author, Entity
 from vaultcad.export.palette import colour
-from vaultcad.export.report_json import profiles
 from vaultcad.model import Component, Deviation, FittedVault, Model
 
 # IFC's PAVILION_ROOF is a hipped roof, no cloister vault: what is neither barrel nor dome is user defined.
@@ -187,8 +186,11 @@ def _load_bearing(author: Author) -> Row:
 
 def _parameters(author: Author, fitted: FittedVault) -> Iterator[Row]:
     yield "family", author.value(fitted.vault.id), "id of the vault family"
-    for name, kind in profiles(fitted.vault).items():
-        yield name, author.value(kind), "kind of arch"
+    for name, kinds in fitted.arches.items():
+        yield name, author.value(kinds), "kind of arch"
+        if fitted.odds:
+            odds = ", ".join(f"{kind} {chance:.0%}" for kind, chance in fitted.odds[name].items())
+            yield f"{name}_odds", author.value(odds), "how likely each kind is, given how vaults settle"
     for name, estimate in fitted.parameters.items():
         yield name, author.value(float(estimate.value), estimate.unit), estimate.meaning
         if estimate.std is not None:

@@ -15,9 +15,11 @@ from families import family
 from vaultcad.export.charts import histogram
 from vaultcad.export.drawing import PLANES, plan, section
 from vaultcad.export.palette import colour
-from vaultcad.export.report_json import plain, profiles, shown
+from vaultcad.export.report_json import plain, shown
 from vaultcad.export.report_text import FILES, GLOSSARY, STYLE
 from vaultcad.model import FLAGS, Component, Deviation, Estimate, FittedVault, Model
+
+SHOWN = 0.02  # chance from which on a kind of arch is shown
 
 Row = Iterable[str]
 
@@ -129,16 +131,41 @@ def _parameters(fitted: FittedVault, origin: NDArray[np.float64]) -> str:
     x, y, z = np.array([pose.x, pose.y, pose.z]) + origin
     fit = {name: e for name, e in fitted.parameters.items() if not e.derived}
     sizes = {name: e for name, e in fitted.parameters.items() if e.derived}
-    arches = "".join(
-        f"<p>{escape(name.replace('_', ' '))}: <b>{escape(kind)}</b></p>"
-        for name, kind in profiles(fitted.vault).items()
-    )
+    arches = "".join(_arch(name, kinds, fitted) for name, kinds in fitted.arches.items())
     lean = f" All of it leans by {degrees(pose.tilt):.2f}° with the scan." if pose.tilt else ""
     return (
-        f"{arches}{_estimates('size', sizes)}<p></p>{_estimates('fitted parameter', fit)}"
+        f"{arches}{_rivals(fitted, float(origin[2]))}{_estimates('size', sizes)}<p></p>"
+        f"{_estimates('fitted parameter', fit)}"
         f"<p class='soft'>The vault's origin, the centre of its plan on the springing, lies at x {x:.3f}, y {y:.3f}, "
         f"z {z:.3f} m of the scan's coordinates; its x axis is turned by {degrees(pose.yaw):.2f}° about z.{lean}</p>"
         f"{_legend(fitted.parameters.values())}"
+    )
+
+
+def _arch(name: str, kinds: str, fitted: FittedVault) -> str:
+    """What is known of an arch, and how likely each kind is."""
+    odds = ", ".join(f"{kind} {chance:.0%}" for kind, chance in fitted.odds.get(name, {}).items() if chance >= SHOWN)
+    drawn = f"; drawn {fitted.vault.profiles[name].id}" if " or " in kinds else ""
+    more = f" <span class='soft'>({odds}{drawn})</span>" if odds else ""
+    return f"<p>{escape(name.replace('_', ' '))}: <b>{escape(kinds)}</b>{more}</p>"
+
+
+def _rivals(fitted: FittedVault, up: float) -> str:
+    """The ways in which the vault may have been built, if there are several; up: of the scan's origin [m]."""
+    likely = [rival for rival in fitted.rivals if rival.chance >= SHOWN]
+    if len(likely) < 2:
+        return ""
+    rows = []
+    for rival in likely:
+        arches = ", ".join(f"{name.replace('_', ' ')} {kind}" for name, kind in rival.profiles.items())
+        held = ", ".join(rival.constraints)
+        z = fitted.pose.z + rival.springing + up
+        cells = [_percent(rival.chance), escape("; ".join(filter(None, (arches, held)))), _length(rival.sizes["rise"])]
+        rows.append([*cells, f"{z:.2f} m"])
+    return (
+        f"<p></p>{_table(['chance', 'built with', 'rise', 'springing'], rows, numbers=slice(2, 4))}<p class='soft'>"
+        "Vaults settle by more than some arches differ: these are likely too, each with the sizes that it had before "
+        "it settled. The deviations below allow for them.</p>"
     )
 
 

@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from families import Profile, Vault
 from segmentation.units import unit_of
-from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedVault, Model
+from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedVault, Model, Rival
 
 SCHEMA = 1
 DECIMALS = 6  # of metres and of shares: a micrometre, well below what any scan can tell
@@ -63,12 +62,6 @@ def shown(estimate: Estimate) -> Estimate:
     return dataclasses.replace(estimate, value=convert(estimate.value), unit=unit, std=std)
 
 
-def profiles(vault: Vault) -> dict[str, str]:
-    """Field -> id of the arch profiles that a vault is made with."""
-    fields = ((f.name, getattr(vault, f.name)) for f in dataclasses.fields(vault))
-    return {name: value.id for name, value in fields if isinstance(value, Profile)}
-
-
 def plain(value: Any) -> Any:
     """Settings as JSON knows them: mappings, lists, numbers, strings; anything else by its string."""
     match value:
@@ -101,13 +94,28 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
             **_pose_std(fitted.covariance),
         },
         "corners": _corners(fitted, origin),
-        "profiles": profiles(fitted.vault),
+        "profiles": {name: arch.id for name, arch in fitted.vault.profiles.items()},
+        "profile_odds": {
+            name: {kind: _number(chance) for kind, chance in odds.items()} for name, odds in fitted.odds.items()
+        },
+        "rivals": [_rival(rival, fitted, origin) for rival in fitted.rivals],
         "parameters": {name: _estimate(value) for name, value in fitted.parameters.items()},
         "components": [_component(c) for c in fitted.components],
         "deviation": _deviation(fitted.deviation),
         "as_built": None if fitted.as_built is None else {"deviation": _deviation(fitted.as_built)},
         "coverage": _number(fitted.coverage),
         "tolerance": _number(round(fitted.tolerance, 4)),
+    }
+
+
+def _rival(rival: Rival, fitted: FittedVault, origin: NDArray[np.float64]) -> dict[str, Any]:
+    """One way in which the vault may have been built; the springing in the coordinates of the pose [m]."""
+    return {
+        "chance": _number(rival.chance),
+        "profiles": dict(rival.profiles),
+        "constraints": list(rival.constraints),
+        "springing": _number(fitted.pose.z + rival.springing + float(origin[2])),
+        "parameters": {name: _number(value) for name, value in rival.sizes.items()},
     }
 
 

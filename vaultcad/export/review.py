@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from families import family
 from vaultcad.export.drawing import PLANES
 from vaultcad.export.palette import colour
-from vaultcad.export.report_json import profiles, shown
+from vaultcad.export.report_json import shown
 from vaultcad.export.review_panels import INK, SOFT, Seen, bar, deviations, dots, plan, section
 from vaultcad.model import Estimate, FittedVault, Model
 
@@ -132,7 +132,7 @@ def _drawings(sheet: Sheet, seen: Seen) -> None:
 def _title(sheet: Sheet, fitted: FittedVault, number: str, scan: str) -> None:
     sheet.text(MARGIN, 0.5, f"{number}{fitted.vault.title.capitalize()}", size=20, weight="bold")
     others = [f"{family(name).title} {score:.0%}" for name, score in fitted.alternatives[:3] if score >= UNLIKELY]
-    arches = ", ".join(f"{name.replace('_', ' ')} {kind}" for name, kind in profiles(fitted.vault).items())
+    arches = ", ".join(f"{name.replace('_', ' ')} {kind}" for name, kind in fitted.arches.items())
     line = f"confidence {fitted.confidence:.0%}" + (f" (or else {', '.join(others)})" if others else "")
     sheet.text(MARGIN, 0.78, "  ·  ".join(filter(None, (line, arches, scan))))
     if not fitted.converged:

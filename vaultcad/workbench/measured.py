@@ -10,7 +10,7 @@ from typing import Any
 from vaultcad.model import Component, Deviation, Estimate, FittedVault, Pose
 from vaultcad.workbench.declarations import profiles_of, vault_of
 
-KEPT = ("pose", "confidence", "alternatives", "components", "deviation", "coverage", "converged", "as_built")
+KEPT = ("pose", "confidence", "alternatives", "components", "deviation", "coverage", "converged", "as_built", "odds")
 UNMEASURED = Deviation(nan, nan, nan, nan, {}, "")
 
 
@@ -57,6 +57,7 @@ def fitted_vault(plain: Mapping[str, Any]) -> FittedVault:
         coverage=plain["coverage"],
         converged=plain["converged"],
         as_built=_deviation(plain["as_built"]),
+        odds=plain.get("odds", {}),
     )
 
 

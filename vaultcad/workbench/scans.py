@@ -94,7 +94,8 @@ def flags(vault: Any) -> list[str]:
         f"only {vault.coverage:.0%} of the intrados was seen": vault.coverage < FEW,
         f"the family is not certain ({vault.confidence:.0%})": vault.confidence < UNSURE,
     }
-    return [text for text, holds in found.items() if holds]
+    unsure = [f"{name.replace('_', ' ')}: {kinds}" for name, kinds in vault.arches.items() if " or " in kinds]
+    return [*(text for text, holds in found.items() if holds), *unsure]
 
 
 def bay(vault: Any) -> dict[str, Any]:
