@@ -190,6 +190,17 @@ def segmental(half_span: float, rise: float) -> Curve:
 PROFILES: tuple[type[Profile], ...] = (Semicircular, Segmental, Pointed, BasketHandle, Elliptical, Stilted)
 
 
+def as_kind(kind: type[Profile], profile: Profile) -> Profile | None:
+    """A profile as one of another kind, as near as it can be, or None if it would be far."""
+    if type(profile) is kind:
+        return profile
+    ratio = profile.rise(0.5)
+    for near in (ratio, ratio - 0.02, ratio + 0.02, ratio - 0.06, ratio + 0.06):
+        if (made := kind.over(near)) is not None:
+            return made
+    return kind.over(0.5) if abs(ratio - 0.5) < 0.1 else None
+
+
 def junction(curve: Curve) -> tuple[float, float]:
     """Point (u, z) [m] where the haunch arc passes into the crown arc of a curve of two arcs."""
     small, large = curve.arcs

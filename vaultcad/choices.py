@@ -11,25 +11,27 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
-from math import exp
+from math import exp, log
 
 import numpy as np
 from numpy.typing import NDArray
 
 from families import PROFILES, Profile, Vault
 from families.constraints import Constraint
+from families.profiles import as_kind
 from vaultcad.freedom import Demands
 from vaultcad.identity import is_its_family
 from vaultcad.likelihood import GAIN, STEPS, Field
 from vaultcad.model import Covariance, Rival
 from vaultcad.practice import log_prior
-from vaultcad.recognise import as_kind, turned_over
+from vaultcad.recognise import turned_over
 from vaultcad.refine import Refined, settled
 from vaultcad.solve import POSE, Placed, Solution
 
 Array = NDArray[np.float64]
 Kinds = tuple[type[Profile], ...]
 
+CLEARLY = 3.0  # times as likely: then constraints are others than the fit's
 SLIGHT = 1e-3  # chance below which a choice is forgotten
 UNLIKELY = 4.0  # by which a score is below the best where what is next to it is not tried
 MOST = 8  # choices next to which others are tried
@@ -60,9 +62,10 @@ def kinds_of(vault: Vault) -> Kinds:
 
 
 def weigh(refined: Refined, demands: Demands, rng: np.random.Generator) -> tuple[Choice, ...]:
-    """All choices of arches and constraints that are not out of the question, the likeliest first.
+    """All choices of arches and constraints that are not out of the question; none if there is too little stone.
 
-    None if there is too little stone to tell.
+    The first has the likeliest arches, and the constraints of the fit unless others are clearly likelier with these;
+    the likeliest of the rest follow.
     """
     moved = Field.of(refined, rng)
     if moved is None:
@@ -72,7 +75,10 @@ def weigh(refined: Refined, demands: Demands, rng: np.random.Generator) -> tuple
     fitted = sorted(search.fitted.values(), key=lambda one: -one.score)
     if not fitted:
         return ()
-    raw = [exp(one.score - fitted[0].score) for one in fitted]
+    first = _first(fitted, {c.name for c in refined.kept})
+    fitted = [first, *(one for one in fitted if one is not first)]
+    top = max(one.score for one in fitted)
+    raw = [exp(one.score - top) for one in fitted]
     likely = [(one, chance) for one, chance in zip(fitted, raw, strict=True) if chance > SLIGHT * sum(raw)]
     whole = sum(chance for _, chance in likely)
     return tuple(Choice(one.placed, one.kept, chance / whole, moved.sizes(one.solution)) for one, chance in likely)
@@ -90,6 +96,17 @@ class _Fitted:
     @property
     def placed(self) -> Placed:
         return self.solution.placed
+
+
+def _first(fitted: Sequence[_Fitted], kept: set[str]) -> _Fitted:
+    """The one to draw, of choices sorted by how likely they are."""
+    whole: dict[Kinds, float] = {}
+    for one in fitted:
+        whole[one.kinds] = whole.get(one.kinds, 0.0) + exp(one.score - fitted[0].score)
+    likeliest = max(whole, key=lambda kinds: whole[kinds])
+    mine = [one for one in fitted if one.kinds == likeliest]
+    same = [one for one in mine if {c.name for c in one.kept} == kept]
+    return same[0] if same and same[0].score > mine[0].score - log(CLEARLY) else mine[0]
 
 
 @dataclass(frozen=True)
@@ -139,7 +156,7 @@ class _Search:
         free = self.demands.freedom(begun.vault, kept)
         solution = moved.evidence.solve(begun, free, (moved.scale,), most=STEPS, gain=GAIN)
         fitted = solution.placed.vault
-        if is_its_family(fitted) and self.demands.met(fitted):
+        if is_its_family(fitted) and self.demands.met(fitted) and moved.near(solution):
             score = moved.log_likelihood(solution) + log_prior(fitted, kept)
             self.fitted[key] = _Fitted(solution, kinds, kept, score)
 
@@ -194,7 +211,7 @@ def widened(spread: Covariance, placed: Placed, choices: Sequence[Choice]) -> Co
 
 
 def deviation(name: str, value: float, std: float, choices: Sequence[Choice]) -> float:
-    """The standard deviation of a size of the likeliest choice, with what the others make of it."""
+    """The standard deviation of a size of the first choice, with what the others make of it."""
     variance = std**2
     for choice in choices[1:]:
         mean, own = choice.sizes.get(name, (value, std))

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from itertools import chain
 from math import inf, isfinite, pi
 
-from families import PROFILES, Profile, Vault
+from families import PROFILES, Vault, profile
 from families.constraints import Constraint
 from families.parameters import Range, derived_declarations
 from vaultcad.freedom import DECIDES, LEVEL, RECTANGLE, SPRINGING, Demands
@@ -25,7 +25,7 @@ MANY = 25
 
 def demand(
     families: Sequence[type[Vault]],
-    fix: Mapping[str, float],
+    fix: Mapping[str, float | str],
     free: Iterable[str],
     origin: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> tuple[tuple[type[Vault], ...], Demands]:
@@ -33,18 +33,25 @@ def demand(
 
     Args:
         families: to choose from.
-        fix: value [m, rad or 1] by the name of a parameter, of a length that follows, or of a part of the pose.
+        fix: value [m, rad or 1] by the name of a parameter, of a length that follows, or of a part of the pose; kind of
+            arch by the name of a profile.
         free: names of constraints.
         origin: (3,) of the local frame, in the scan's coordinates [m].
 
     Raises:
         ValueError: a name that is none, or a value that cannot be; names the value, and what exists.
     """
+    arches = {name: profile(kind) for name, kind in fix.items() if isinstance(kind, str)}
+    places = dict.fromkeys(name for cls in families for name in cls().profiles)
+    for name in arches:
+        if name not in places:
+            raise ValueError(f"no arch {name!r} to fix; there are {', '.join(places) or 'none'}")
     sizes = {cls: sizes_of(cls) for cls in families}
-    for name, value in fix.items():
+    numbers = {name: value for name, value in fix.items() if not isinstance(value, str)}
+    for name, value in numbers.items():
         ranges = [own[name] for own in (PLACE, *sizes.values()) if name in own]
         if not ranges:
-            known = dict.fromkeys(chain(*sizes.values(), PLACE))
+            known = dict.fromkeys(chain(*sizes.values(), PLACE, places))
             raise ValueError(f"no size {name!r} to fix; {_instead(name, list(known))}")
         low, high = min(r.low for r in ranges), max(r.high for r in ranges)
         if not isfinite(value) or not low <= value <= high:
@@ -54,13 +61,14 @@ def demand(
     for name in sorted(freed - set(known)):
         raise ValueError(f"no constraint {name!r} to let go; there are {', '.join(known)}")
 
-    own = {name: value for name, value in fix.items() if name not in PLACE}
-    chosen = tuple(cls for cls in families if set(own) <= set(sizes[cls]))
+    own = {name: value for name, value in numbers.items() if name not in PLACE}
+    chosen = tuple(cls for cls in families if set(own) <= set(sizes[cls]) and set(arches) <= set(cls().profiles))
     if not chosen:
-        raise ValueError(f"no family has all of {', '.join(own)}; fix sizes of one family, see vaultcad families")
+        asked = ", ".join([*own, *arches])
+        raise ValueError(f"no family has all of {asked}; fix sizes of one family, see vaultcad families")
     local = dict(zip(("x", "y", "springing"), origin, strict=True))
-    pose = {{"springing": "z"}.get(k, k): v - local.get(k, 0.0) for k, v in fix.items() if k in PLACE}
-    return chosen, Demands(own, pose, freed)
+    pose = {{"springing": "z"}.get(k, k): v - local.get(k, 0.0) for k, v in numbers.items() if k in PLACE}
+    return chosen, Demands(own, pose, freed, arches)
 
 
 def _instead(name: str, known: Sequence[str]) -> str:
@@ -75,7 +83,7 @@ def sizes_of(cls: type[Vault]) -> dict[str, Range]:
     """All sizes of a family that can be fixed, whatever its profiles are: parameters, then lengths that follow."""
     vault = cls()
     vaults = [vault]
-    for name in [name for name, value in vars(vault).items() if isinstance(value, Profile)]:
+    for name in vault.profiles:
         vaults += [vault.with_arches({name: kind()}) for kind in PROFILES]
     derived = derived_declarations(cls)
     lengths = [*DECIDES[cls.id], *(name for family, name in LEVEL if family == cls.id)]

@@ -29,7 +29,7 @@ def estimates(
 ) -> dict[str, Estimate]:
     """Parameters, then derived sizes, of a solution that rests on points (n, 3) [m]; what was held has no deviation.
 
-    choices: with which the vault may have been built, the solution's first; deviations allow for them.
+    choices: of how the vault may have been built, the solution's first; deviations allow for them.
     """
     vault, slopes = solution.placed.vault, slopes_of_sizes(solution)
     told = information(solution, points, sight)

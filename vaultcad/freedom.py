@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from families import PROFILES, Profile, Vault
 from families.constraints import Constraint
 from families.lengths import RATIOS
+from families.profiles import as_kind
 
 EXACT = 1e-6  # of sizes that are fixed
 Tie = Callable[[Vault], Mapping[str, float]]
@@ -48,12 +49,19 @@ class Demands:
     """What a user settles beforehand.
 
     sizes: values of parameters and of derived lengths [m, rad or 1], by name. pose: of x, y, z [m] in the scan's local
-    frame and of the yaw [rad]. freed: names of constraints that are not to be kept.
+    frame and of the yaw [rad]. freed: names of constraints that are not to be kept. arches: kinds, by the names of the
+    fields of a vault.
     """
 
     sizes: Mapping[str, float] = field(default_factory=dict)
     pose: Mapping[str, float] = field(default_factory=dict)
     freed: frozenset[str] = frozenset()
+    arches: Mapping[str, type[Profile]] = field(default_factory=dict)
+
+    @property
+    def of_vault(self) -> bool:
+        """Whether anything of the vault itself is settled."""
+        return bool(self.sizes or self.arches)
 
     def of(self, family: str) -> dict[str, float]:
         """The sizes in terms that each hang on one parameter of a family."""
@@ -63,7 +71,10 @@ class Demands:
         return found
 
     def suits(self, vault: Vault) -> bool:
-        """Whether a vault can have all the sizes that are fixed, and its whole numbers are as they should be."""
+        """Whether a vault can have all sizes that are fixed, its whole numbers and arches are as they should be."""
+        arches = vault.profiles
+        if any(name not in arches or type(arches[name]) is not kind for name, kind in self.arches.items()):
+            return False
         values, lengths, own = vault.values(), DECIDES[vault.id], {p.name: p for p in vault.parameters()}
 
         def can(name: str, value: float) -> bool:
@@ -76,9 +87,12 @@ class Demands:
 
     def suited(self, vault: Vault) -> Vault | None:
         """The vault, or the first with other profiles that has all sizes; None if none has."""
+        own = vault.profiles
+        fixed = {name: as_kind(kind, own[name]) or kind() for name, kind in self.arches.items() if name in own}
+        vault = vault.with_arches(fixed)
         if self.suits(vault):
             return vault
-        places = [name for name, value in vars(vault).items() if isinstance(value, Profile)]
+        places = [name for name in own if name not in fixed]
         others = (vault.with_arches({name: kind()}) for name in places for kind in PROFILES)
         every = (vault.with_arches({name: kind() for name in places}) for kind in PROFILES)
         return next((other for other in (*others, *every) if self.suits(other)), None)

@@ -36,6 +36,7 @@ FEW = 3_000  # points that choices are fitted to
 STEPS, GAIN = 12, 1e-4  # of their fits at most, and the share of the cost that one must still gain
 NARROWEST = 0.02  # m, scale of their loss
 EDGE, EDGE_SHARE = 0.3, 0.08  # m, and share of the shorter side: stone so near to an edge is rounded, plastered, hidden
+FAR, FEW_FAR = 0.06, 0.02  # m off a fit that is far, and the share of the blocks that may be
 DOUBT = 1.4  # log likelihoods are divided by this, as no settlement is quite such a field
 ENOUGH = 40  # blocks without which nothing is said
 NEVER = 1e-3  # chance that a parameter is within its range at the least
@@ -77,6 +78,11 @@ class Field:
         pairs = [np.linalg.eigh(field) for field in fields]
         values = tuple(np.maximum(pair[0], 0.0) for pair in pairs)
         return cls(evidence, scale, blocks, usable, values, tuple(pair[1] for pair in pairs))
+
+    def near(self, solution: Solution) -> bool:
+        """Whether a fit comes near all stone: what is far from it, no small change of its parameters would reach."""
+        residual = self.blocks.means(solution.residuals[:, None])[self.usable, 0]
+        return float((np.abs(residual) > FAR).mean()) < FEW_FAR
 
     def log_likelihood(self, solution: Solution) -> float:
         """Of a fit to this evidence, with its parameters within their ranges, up to a constant that all fits share."""

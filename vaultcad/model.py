@@ -189,8 +189,9 @@ class FittedVault:
     tolerance: float = 0.03  # m, half of the band that its points lie in
     thickness: float | None = None  # m, of its masonry; None for that of the model
     label: str = ""  # what a user calls it
+    solid: bool = True  # whether its body can be built
     odds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # of each arch: kind -> chance
-    rivals: tuple[Rival, ...] = ()  # how it may have been built, the likeliest, which is this one, first
+    rivals: tuple[Rival, ...] = ()  # how it may have been built; this one first, then the likeliest
 
     @property
     def arches(self) -> dict[str, str]:

@@ -47,7 +47,7 @@ class Settings:
     families: tuple[type[Vault], ...] = FAMILIES
     seed: int = 0
     thickness: float = 0.15  # m, of the solid
-    fix: Mapping[str, float] = field(default_factory=dict)  # sizes, parts of the pose in the scan [m, rad, 1]
+    fix: Mapping[str, float | str] = field(default_factory=dict)  # sizes and place [m, rad, 1], kinds of arches
     free: tuple[str, ...] = ()  # names of constraints that are not kept
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from families import FAMILIES, PROFILES, Profile, Vault
 from families.constraints import Constraint
+from families.profiles import as_kind
 from vaultcad.errors import NoVaultError
 from vaultcad.evidence import INDEPENDENT, Evidence
 from vaultcad.freedom import NONE, Demands, Freedom
@@ -71,7 +72,7 @@ def recognise(
     if not rough:
         raise NoVaultError(
             "no vault found: nothing above the floor has the plan of a vault; scan a whole bay, or crop to it"
-            + (", or fix other sizes" if demands.sizes or demands.pose else "")
+            + (", or fix other sizes" if demands.of_vault or demands.pose else "")
         )
     costs = [some.cost(placed, MIDDLE) for placed in rough]
     hopeful = [placed for placed, cost in zip(rough, costs, strict=True) if cost <= HOPELESS * min(costs)]
@@ -85,7 +86,10 @@ def recognise(
     ]
     met = [h for h in fitted if h.score < inf]
     if not met:
-        asked = ", ".join(f"{name} = {value:g}" for name, value in demands.sizes.items())
+        asked = ", ".join(
+            [f"{name} = {value:g}" for name, value in demands.sizes.items()]
+            + [f"{name} = {kind.id}" for name, kind in demands.arches.items()]
+        )
         raise NoVaultError(f"no vault found: none that fits the scan can have {asked}")
     proper = [h for h in met if is_its_family(h.vault)] or met
     return tuple(sorted(proper, key=lambda h: h.score))
@@ -176,14 +180,3 @@ def turned_over(
             c for c in kept if c != constraint
         )
     return replace(placed, vault=vault.replaced(constraint.holds(vault))), (*kept, constraint)
-
-
-def as_kind(kind: type[Profile], profile: Profile) -> Profile | None:
-    """A profile as one of another kind, as near as it can be, or None if it would be far."""
-    if type(profile) is kind:
-        return profile
-    ratio = profile.rise(0.5)
-    for near in (ratio, ratio - 0.02, ratio + 0.02, ratio - 0.06, ratio + 0.06):
-        if (made := kind.over(near)) is not None:
-            return made
-    return kind.over(0.5) if abs(ratio - 0.5) < 0.1 else None

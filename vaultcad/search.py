@@ -39,7 +39,7 @@ FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen o
 class Found:
     """One vault of a scan. hypotheses: the most likely first. tolerance: of the band its points lie in [m].
 
-    choices: of arches and constraints, the likeliest first, with which it is refined.
+    choices: of arches and constraints; with the first it is refined.
     """
 
     site: Site

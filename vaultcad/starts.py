@@ -59,7 +59,7 @@ def _possible(grid: Iterator[tuple[Vault, float]]) -> Iterator[tuple[Vault, floa
 
 def _suited(grid: Iterator[tuple[Vault, float]], demands: Demands) -> Iterator[tuple[Vault, float]]:
     """Vaults of a grid, and their rises [m], that have the sizes that are fixed."""
-    if not demands.sizes:
+    if not demands.of_vault:
         yield from grid
         return
     for vault, _ in grid:
@@ -73,7 +73,7 @@ def _quarters(family: type[Vault], site: Site, demands: Demands) -> tuple[int, .
     """Quarter turns of the site's axes to try."""
     if "yaw" in demands.pose:
         return (round((demands.pose["yaw"] - site.yaw) / (pi / 2)),)
-    return (0, 1) if family in DIRECTED or demands.sizes else (0,)
+    return (0, 1) if family in DIRECTED or demands.of_vault else (0,)
 
 
 def _profiles(span: float) -> Iterator[tuple[Profile, float]]:

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import ifcopenshell
 import numpy as np
 import pytest
+import trimesh
 
-from families import BasketHandle, Groin, Semicircular, Stilted
+from families import FAMILIES, BasketHandle, Groin, Semicircular, Stilted
 from vaultcad.errors import ExportError
 from vaultcad.export import buildable as module
+from vaultcad.export import geometry
+from vaultcad.export.bundle import SEGMENTS, WRITERS, write_all
+from vaultcad.export.step import write_step
+
+IDS = tuple(cls.id for cls in FAMILIES)
 
 
 def test_a_vault_that_can_be_built_stays_as_it_is(make_model) -> None:
@@ -28,7 +35,8 @@ def test_a_vault_that_cannot_be_built_is_moved_by_less_than_a_millimetre(make_mo
             raise ValueError("OpenCASCADE cannot do it")
 
     monkeypatch.setattr(module, "masonry", masonry)
-    monkeypatch.setattr(module, "bodies", lambda *_: ())
+    monkeypatch.setattr(module, "exact", lambda *_: ())
+    monkeypatch.setattr(module, "cut", lambda *_: ())
     moved = module.buildable(model).vaults[0].vault
     assert tried[0] == vault
     assert moved != vault
@@ -57,10 +65,45 @@ def test_arches_that_all_but_are_one_are_built_and_it_is_said(make_model, vault)
     assert "mm off the fitted groin vault" in drawn.notes[0].text
 
 
-def test_a_vault_that_cannot_be_built_at_all_is_refused(make_model, monkeypatch) -> None:
+@pytest.fixture
+def broken(monkeypatch):
+    """OpenCASCADE builds nothing."""
+
     def never(*_):
         raise ValueError("OpenCASCADE cannot do it")
 
-    monkeypatch.setattr(module, "masonry", never)
-    with pytest.raises(ExportError, match="cannot build this groin vault"):
-        module.buildable(replace(make_model("groin")))
+    for cached in (geometry.masonry, geometry.exact, geometry.shell, geometry.bodies):
+        cached.cache_clear()
+    monkeypatch.setattr("families.brep.masonry", never)
+    yield
+    for cached in (geometry.shell, geometry.bodies):
+        cached.cache_clear()
+
+
+@pytest.mark.parametrize("family", IDS)
+def test_a_vault_that_cannot_be_built_at_all_leaves_all_but_the_solid(make_model, broken, tmp_path, family) -> None:
+    model = make_model(family)
+    drawn = write_all(model, tmp_path / "out", segments=lambda path: path.write_bytes(b""))
+    (note,) = drawn.notes
+    assert note.code == "unbuilt"
+    assert f"cannot build this {model.vaults[0].vault.title} with walls of 0.15 m" in note.text
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {*WRITERS, SEGMENTS} - {"model.step"}
+    assert "cannot build" in (tmp_path / "out" / "report.html").read_text()
+    scene = trimesh.load(tmp_path / "out" / "model.glb")
+    assert set(model.vaults[0].vault.components) <= set(scene.geometry)
+    slabs = ifcopenshell.open(str(tmp_path / "out" / "model.ifc")).by_type("IfcSlab")
+    assert {slab.Name for slab in slabs} == set(model.vaults[0].vault.components)
+
+
+def test_a_step_file_is_not_written_without_a_solid(make_model, broken, tmp_path) -> None:
+    with pytest.raises(ExportError, match="no vault has a solid"):
+        write_step(module.buildable(make_model("groin")), tmp_path / "a.step")
+
+
+def test_files_of_an_earlier_result_that_this_one_has_not_go_with_it(make_model, tmp_path, monkeypatch) -> None:
+    model, out = make_model("sail"), tmp_path / "out"
+    write_all(model, out, segments=lambda path: path.write_bytes(b""))
+    assert (out / "model.step").exists()
+    monkeypatch.setattr("vaultcad.export.buildable._built", lambda *_: None)
+    write_all(model, out, segments=lambda path: path.write_bytes(b""))
+    assert not (out / "model.step").exists()

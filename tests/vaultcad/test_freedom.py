@@ -5,7 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from families import FAMILIES, Barrel, Dome, Groin, Mirror, Pointed, Sail, Segmental, Semicircular, Trough, Vault
+from families import (
+    FAMILIES,
+    Barrel,
+    Dome,
+    Groin,
+    Mirror,
+    Pointed,
+    Sail,
+    Segmental,
+    Semicircular,
+    Trough,
+    Vault,
+    profile,
+)
 from families.constraints import Constraint
 from segmentation.cloud import Cloud
 from vaultcad.demands import constraints_of, demand, sizes_of
@@ -74,7 +87,8 @@ def made(cls: type[Vault], name: str) -> float:
 
 
 def test_names_that_are_none_are_refused_with_those_that_are() -> None:
-    with pytest.raises(ValueError, match=r"no size 'ris' to fix; there are span_x, .*yaw; did you mean rise"):
+    ris = r"no size 'ris' to fix; there are span_x, .*yaw, profile_x, profile_y; did you mean rise"
+    with pytest.raises(ValueError, match=ris):
         demand((Groin,), {"ris": 2.0}, ())
     with pytest.raises(ValueError, match=r"no size 'rize' to fix; did you mean rise.* lists those"):
         demand(FAMILIES, {"rize": 2.0}, ())
@@ -90,6 +104,35 @@ def test_only_families_that_have_the_size_are_tried() -> None:
     families, demands = demand(FAMILIES, {"drum_height": 1.0, "x": 512_001.0}, ["no drum"], (512_000.0, 0.0, 0.0))
     assert families == (Dome,)
     assert (demands.sizes, demands.pose, demands.freed) == ({"drum_height": 1.0}, {"x": 1.0}, {"no-drum"})
+
+
+def test_arches_are_fixed_by_any_of_their_names() -> None:
+    families, demands = demand(FAMILIES, {"profile_x": "tutto sesto", "rise": 2.0}, ())
+    assert families == (Groin,)
+    assert (demands.arches, demands.sizes) == ({"profile_x": Semicircular}, {"rise": 2.0})
+    with pytest.raises(ValueError, match="no arch 'profile_z' to fix; there are profile, lunette_profile, profile_x"):
+        demand(FAMILIES, {"profile_z": "pointed"}, ())
+    with pytest.raises(ValueError, match="no profile is called 'round'"):
+        demand(FAMILIES, {"profile": "round"}, ())
+    with pytest.raises(ValueError, match="no family has all of span_y, lunette_profile"):
+        demand(FAMILIES, {"span_y": 3.0, "lunette_profile": "pointed"}, ())
+
+
+@pytest.mark.parametrize(
+    ("vault", "fix"),
+    [
+        (Barrel(4.0, 6.0, Segmental(0.46)), {"profile": "semicircular"}),
+        (Barrel(4.0, 6.0, Segmental(0.46)), {"profile": "ellittico", "rise": 1.9}),
+        (Groin(4.6, 5.0, Segmental(0.42), Segmental(0.4)), {"profile_x": "elliptical"}),
+    ],
+    ids=lambda value: getattr(value, "id", None),
+)
+def test_a_fixed_arch_is_the_only_one(vault: Vault, fix: dict[str, float | str]) -> None:
+    found = fitted(vault, fix=fix)
+    for name, kind in fix.items():
+        if isinstance(kind, str):
+            assert found.odds[name] == {profile(kind).id: pytest.approx(1.0)}
+            assert found.arches[name] == found.vault.profiles[name].id == profile(kind).id
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,10 @@ def fit(
     thickness: Thickness = 0.15,
     fix: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=VALUE", help="Hold a size, as rise=2.5, or x, y, springing, yaw; may be repeated."),
+        typer.Option(
+            metavar="NAME=VALUE",
+            help="Hold a size, as rise=2.5, or x, y, springing, yaw, or an arch, as profile=pointed; may be repeated.",
+        ),
     ] = None,
     free: Annotated[
         list[str] | None,
@@ -136,12 +139,15 @@ def _families(name: str) -> Any:
         return (named(name),)
 
 
-def _fixed(texts: list[str]) -> dict[str, float]:
-    """Sizes by name from texts like rise=2.5; the yaw is given in degrees."""
-    found: dict[str, float] = {}
+def _fixed(texts: list[str]) -> dict[str, float | str]:
+    """Sizes and kinds of arches by name from texts like rise=2.5, profile=pointed; the yaw is given in degrees."""
+    found: dict[str, float | str] = {}
     for text in texts:
         name, _, value = text.partition("=")
         name = name.strip().replace("-", "_")
+        if "profile" in name and value:
+            found[name] = value.strip()
+            continue
         try:
             found[name] = float(value) * (pi / 180 if name == "yaw" else 1)
         except ValueError:

@@ -9,47 +9,54 @@ import numpy as np
 
 from families import Profile, Semicircular, Vault
 from segmentation.notes import Note
-from vaultcad.errors import ExportError
-from vaultcad.export.geometry import bodies, masonry
+from vaultcad.export.geometry import cut, exact, masonry
 from vaultcad.model import Model
 
 NUDGES = (0.0, 1e-5, -1e-5, 3e-5, -3e-5)  # of the first parameter, twice that of the second, and so on
 FURTHER = (1e-4, -1e-4, 3e-4, -3e-4, 1e-3, -1e-3)  # where that is not enough: some millimetres
 ROUND = 2e-3  # of the span, that the rise of an arch which is taken for a semicircle may be off
 PLACES = 2000  # at which two vaults are compared
+WITHOUT = "model.step is without it, the meshes of the other files are within some millimetres of it"
 
 
 def buildable(model: Model) -> Model:
     """The model with vaults that can be built, and notes on those that had to be changed for it.
 
     Where surfaces touch just so that they cannot be, sizes are nudged; arches that all but are semicircles become them.
-
-    Raises:
-        ExportError: a vault cannot be built even so.
+    A vault that cannot be built even so stays as it is, without a solid.
     """
     vaults, notes = [], list(model.notes)
     for k, fitted in enumerate(model.vaults, 1):
-        built = _built(fitted.vault, model.thickness_of(fitted))
+        thickness = model.thickness_of(fitted)
+        built = _built(fitted.vault, thickness)
+        which = f" {k}" if len(model.vaults) > 1 else ""
+        if built is None:
+            vaults.append(replace(fitted, solid=False))
+            notes.append(Note("unbuilt", f"vault{which}: {refusal(fitted.vault, thickness)}; {WITHOUT}"))
+            continue
         vaults.append(replace(fitted, vault=built))
         if built is not fitted.vault:
             off = 1000 * _apart(fitted.vault, built)
-            which = f" {k}" if len(model.vaults) > 1 else ""
             why = f"off the fitted {built.title}, which cannot be built just so"
             notes.append(Note("nudged", f"vault{which}: its body is up to {off:.2g} mm {why}"))
     return replace(model, vaults=tuple(vaults), notes=tuple(notes))
 
 
-def _built(vault: Vault, thickness: float) -> Vault:
+def refusal(vault: Vault, thickness: float) -> str:
+    """Why a vault has no solid."""
+    return f"OpenCASCADE cannot build this {vault.title} with walls of {thickness:g} m; another --thickness may do"
+
+
+def _built(vault: Vault, thickness: float) -> Vault | None:
+    """The vault, or the nearest that can be built; None if none can."""
     for trial in _trials(vault):
         try:
             masonry(trial, thickness)
-            bodies(trial, thickness)
+            cut(trial.straight, exact(trial.straight, thickness))
         except ValueError:  # ExportError is one
             continue
         return trial
-    raise ExportError(
-        f"OpenCASCADE cannot build this {vault.title} with walls of {thickness:g} m; try another --thickness"
-    )
+    return None
 
 
 def _trials(vault: Vault) -> Iterator[Vault]:

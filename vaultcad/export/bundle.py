@@ -71,8 +71,7 @@ def write_all(
 
     Raises:
         ValueError: a review without the points that it shows.
-        ExportError: `out` is something else than a new or empty folder or an earlier result, or cannot be written; or
-            a vault cannot be built.
+        ExportError: `out` is something else than a new or empty folder or an earlier result, or cannot be written.
         WriteError: the disk is full, or a file cannot be written for another reason of the system's.
     """
     writers = dict(WRITERS)
@@ -87,6 +86,8 @@ def write_all(
         # Most of its time goes into packing, beside which the solids are made.
         labelled = beside.submit(segments, part / SEGMENTS)
         solids = buildable(model)
+        if not any(fitted.solid for fitted in solids.vaults):
+            del writers["model.step"]
         for name, write in writers.items():
             progress(name)
             with writing(out / name):
@@ -142,13 +143,13 @@ def _beside(out: Path) -> Iterator[Path]:
 def _into_place(part: Path, out: Path) -> None:
     """Move the whole folder, or into a folder that is there each file.
 
-    The report goes away first and comes last: where there is one, the files beside it belong to it. A review of an
-    earlier result goes with it.
+    The report goes away first and comes last: where there is one, the files beside it belong to it. Files of an earlier
+    result that this one has not go with it.
     """
     if not out.exists():
         part.rename(out)
         return
-    for name in (REPORT, REVIEW):
+    for name in (REPORT, REVIEW, *WRITERS):
         (out / name).unlink(missing_ok=True)
     for path in sorted(part.iterdir(), key=lambda p: (p.name == REPORT, p.name)):
         path.replace(out / path.name)

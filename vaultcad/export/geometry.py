@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from families import Vault
 from families.mesh import Mesh, mesh_solid
 from families.parts import Turned
+from families.relief import relief
 from vaultcad.errors import ExportError
 
 TOLERANCE = 0.003  # [m] between triangles and the exact surface, below what scanners can tell
@@ -59,15 +60,24 @@ def masonry(vault: Vault, thickness: float) -> Any:
 
 
 @lru_cache(maxsize=KEPT)
-def shell(vault: Vault, thickness: float) -> Mesh:
+def exact(vault: Vault, thickness: float) -> Mesh:
     """The masonry as one closed mesh, as `families.mesh.mesh_solid` makes it.
 
     Raises:
-        ExportError: it has a hole.
+        ValueError: OpenCASCADE cannot build it, or it has a hole.
     """
     straight = vault.straight
     mesh = closed(mesh_solid(straight, thickness, TOLERANCE, masonry(straight, thickness)))
     return replace(mesh, vertices=vault.bent(mesh.vertices))
+
+
+@lru_cache(maxsize=KEPT)
+def shell(vault: Vault, thickness: float) -> Mesh:
+    """The masonry as one closed mesh, from the numeric surface where no B-Rep can be built."""
+    try:
+        return exact(vault, thickness)
+    except ValueError:
+        return relief(vault, thickness)
 
 
 @lru_cache(maxsize=KEPT)
@@ -77,20 +87,34 @@ def bodies(vault: Vault, thickness: float) -> tuple[Body, ...]:
     Raises:
         ExportError: the mesh of the masonry is not closed.
     """
+    straight = vault.straight
+    try:
+        found = cut(straight, exact(straight, thickness))
+    except ValueError:
+        found = cut(straight, relief(straight, thickness))
+    if vault.skew is None:
+        return found
     mesh = shell(vault, thickness)
     areas = np.bincount(mesh.component, mesh.areas, len(vault.components) + 2)
-    if vault.skew is not None:
-        return tuple(
-            replace(body, vertices=vault.bent(body.vertices), intrados_area=float(areas[body.id]))
-            for body in bodies(vault.straight, thickness)
-        )
+    return tuple(
+        replace(body, vertices=vault.bent(body.vertices), intrados_area=float(areas[body.id])) for body in found
+    )
+
+
+def cut(vault: Vault, mesh: Mesh) -> tuple[Body, ...]:
+    """The masonry of a straight vault in one body for each component of which something shows.
+
+    Raises:
+        ExportError: the mesh is not closed.
+    """
+    areas = np.bincount(mesh.component, mesh.areas, len(vault.components) + 2)
     names = {k: name for k, name in enumerate(vault.components, 1) if areas[k] > 0}
     if len(names) == 1:
         (k,) = names
         return (Body(k, names[k], mesh.vertices, mesh.triangles, float(areas[k])),)
     turned = [part for piece in vault.pieces() for part in piece.parts if isinstance(part, Turned)]
-    cut = _level(vault, mesh, turned[0]) if turned else _plumb(vault, mesh, areas)
-    shares = {k: _arrays(share) for k, share in cut}
+    parts = _level(vault, mesh, turned[0]) if turned else _plumb(vault, mesh, areas)
+    shares = {k: _arrays(share) for k, share in parts}
     return tuple(Body(k, name, *shares[k], float(areas[k])) for k, name in names.items())
 
 

@@ -30,8 +30,10 @@ def write_step(model: Model, path: Path) -> None:
     """Write an assembly named after the scan, of one solid a vault, placed by its pose relative to `model.origin`.
 
     Raises:
-        ExportError: the translator failed.
+        ExportError: no vault has a solid, or the translator failed.
     """
+    if not any(fitted.solid for fitted in model.vaults):
+        raise ExportError(f"{path.name}: no vault has a solid that could be written as STEP")
     from OCP.IFSelect import IFSelect_RetDone
     from OCP.Interface import Interface_Static
     from OCP.STEPCAFControl import STEPCAFControl_Controller, STEPCAFControl_Writer
@@ -44,6 +46,8 @@ def write_step(model: Model, path: Path) -> None:
     assembly = shapes.NewShape()
     _name(assembly, model.scan.stem)
     for k, fitted in enumerate(model.vaults, 1):
+        if not fitted.solid:
+            continue
         name = fitted.label or (f"{k} {fitted.vault.title}" if len(model.vaults) > 1 else fitted.vault.title)
         part = _part(shapes, document.Main(), fitted, model.thickness_of(fitted), name)
         _name(shapes.AddComponent(assembly, part, _location(fitted.pose)), name)

@@ -27,7 +27,8 @@ def export(request: Request) -> dict[str, Any]:
         ExportError: it cannot be written, or a vault not be built.
     """
     from segmentation.io.whole import replacing
-    from vaultcad.export.buildable import buildable
+    from vaultcad.errors import ExportError
+    from vaultcad.export.buildable import buildable, refusal
     from vaultcad.export.glb import write_glb
     from vaultcad.export.ifc import write_ifc
     from vaultcad.export.step import write_step
@@ -59,6 +60,10 @@ def export(request: Request) -> dict[str, Any]:
         vaults=vaults,
         versions=versions(),
     )
+    built = buildable(model)
+    for fitted in built.vaults:
+        if not fitted.solid:
+            raise ExportError(refusal(fitted.vault, built.thickness_of(fitted)))
     with replacing(path) as part:
-        write(buildable(model), part)
+        write(built, part)
     return {"path": str(path)}
