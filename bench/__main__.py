@@ -7,7 +7,7 @@ import os
 import platform
 from datetime import date
 
-from bench import barren, cost, profiles, rooms, shapes, uncertainty, workbench
+from bench import barren, cost, limits, profiles, rooms, shapes, uncertainty, workbench
 from bench.peers import table as peers
 
 BENCHMARKS = {
@@ -17,6 +17,7 @@ BENCHMARKS = {
     "rooms": rooms.run,
     "barren": barren.run,
     "profiles": profiles.run,
+    "limits": limits.run,
     "uncertainty": uncertainty.run,
     "workbench": workbench.run,
 }
@@ -33,6 +34,7 @@ def main() -> None:
     rooms.options(parser)
     barren.options(parser)
     profiles.options(parser)
+    limits.options(parser)
     uncertainty.options(parser)
     chosen = parser.parse_args()
     unknown = sorted(set(chosen.names) - set(BENCHMARKS))

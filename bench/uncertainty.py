@@ -108,6 +108,8 @@ def compared(fitted: FittedVault, true: dict[str, float]) -> list[Number]:
         error -= round(error / (2 * pi)) * 2 * pi if name == "yaw" else 0.0
         found.append(Number(fitted.vault.id, name, "pose", error, spread.get(name, 0.0)))
     for name, estimate in fitted.parameters.items():
+        if name not in true:  # of another profile than the true one
+            continue
         kind = "derived" if estimate.derived else "parameter"
         found.append(Number(fitted.vault.id, name, kind, estimate.value - true[name], estimate.std or 0.0))
     return [number for number in found if number.std > 0]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from segmentation.crs import of_wkt
 from segmentation.errors import ReadError
 from segmentation.io.chunk import SIZE, Chunk
+from segmentation.io.e57_check import WAY_OUT, check_e57
 from segmentation.io.facts import Facts
 from segmentation.io.ranges import TOP
 
@@ -24,7 +25,6 @@ TYPES = {
     **dict.fromkeys((*COLOR, *NORMALS), "f4"),
     **dict.fromkeys(("cartesianInvalidState", "sphericalInvalidState"), "i1"),
 }
-WAY_OUT = "copy it again from where it comes from, or export the scan again"
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +45,7 @@ def read_e57(path: Path, facts: Facts) -> Iterator[Chunk]:
     """
     from pye57 import libe57
 
+    check_e57(path)
     try:
         image = libe57.ImageFile(str(path), "r")
     except Exception as error:

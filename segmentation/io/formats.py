@@ -93,6 +93,8 @@ def reader_of(path: Path) -> Reader:
         raise ReadError(path, "no such file", "check the path")
     if path.is_dir():
         raise ReadError(path, "is a folder", f"name a file in it ({known})")
+    if not path.is_file():
+        raise ReadError(path, "is no file but a pipe, a device or a socket", "give a file that is stored on a disk")
     suffix = path.suffix.lower()
     if suffix not in READERS:
         raise ReadError(path, f"unknown suffix {suffix!r}", f"export the scan as one of {known}")

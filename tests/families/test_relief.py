@@ -35,4 +35,4 @@ def test_it_is_closed_and_near_to_the_exact_one(vault: Vault) -> None:
     for k in range(1, len(vault.components) + 1):
         share = rough.areas[rough.component == k].sum() / smooth.areas[smooth.component == k].sum()
         plumb = vault.components[k - 1] == "drum"  # is jagged by the steps of the grid
-        assert share == pytest.approx(1, abs=0.2 if plumb else 0.06), vault.components[k - 1]
+        assert share == pytest.approx(1, abs=0.2 if plumb else 0.1), vault.components[k - 1]

@@ -1,0 +1,196 @@
+"""E57 files of strangers: nothing is fetched, expanded or nested without end before the library reads them."""
+
+from __future__ import annotations
+
+import os
+import socket
+import struct
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from segmentation import read
+from segmentation.errors import ReadError
+from segmentation.io import e57_check
+from segmentation.io.write import write_cloud
+
+PAGE, BODY = 1024, 1020
+TABLE = [0] * 256
+for number in range(256):
+    value = number
+    for _ in range(8):
+        value = (value >> 1) ^ (0x82F63B78 if value & 1 else 0)
+    TABLE[number] = value
+
+
+def crc32c(data: bytes) -> int:
+    """Castagnoli's checksum, which ends each page."""
+    crc = 0xFFFFFFFF
+    for byte in data:
+        crc = (crc >> 8) ^ TABLE[(crc ^ byte) & 0xFF]
+    return crc ^ 0xFFFFFFFF
+
+
+def paged(logical: bytes) -> bytes:
+    """Pages with their checksums."""
+    logical += b"\0" * (-len(logical) % BODY)
+    pages = (logical[k : k + BODY] for k in range(0, len(logical), BODY))
+    return b"".join(page + struct.pack(">I", crc32c(page)) for page in pages)
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory) -> bytes:
+    """A good E57 file of some points, without its pages' checksums."""
+    path = tmp_path_factory.mktemp("e57") / "good.e57"
+    write_cloud(path, np.random.default_rng(0).uniform(-3, 3, (500, 3)))
+    raw = path.read_bytes()
+    return b"".join(raw[k : k + BODY] for k in range(0, len(raw), PAGE))
+
+
+def with_xml(plain: bytes, change, **header: int) -> bytes:
+    """The file with its XML changed, whole in all else."""
+    at, count = struct.unpack_from("<QQ", plain, 24)
+    start = at // PAGE * BODY + at % PAGE
+    xml = change(plain[start : start + count])
+    logical = bytearray(plain[:start] + xml)
+    size = -(-len(logical) // BODY) * PAGE
+    struct.pack_into(
+        "<QQQQ", logical, 16, header.get("size", size), header.get("at", at), header.get("count", len(xml)),
+        header.get("page", PAGE),
+    )  # fmt: skip
+    return paged(bytes(logical))
+
+
+def after_declaration(text: str):
+    """A change that puts a text between the XML's declaration and its root."""
+
+    def change(xml: bytes) -> bytes:
+        at = xml.index(b"?>") + 2
+        return xml[:at] + text.encode() + xml[at:]
+
+    return change
+
+
+def in_root(text: str):
+    """A change that gives the root an attribute."""
+    return lambda xml: xml.replace(b"<e57Root ", b"<e57Root " + text.encode() + b" ", 1)
+
+
+@pytest.fixture
+def server() -> Iterator[tuple[int, list[str]]]:
+    """A port on this machine, and who came."""
+    guests: list[str] = []
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        listening.settimeout(0.1)
+        over = threading.Event()
+
+        def wait() -> None:
+            while not over.is_set():
+                try:
+                    guest, address = listening.accept()
+                except TimeoutError:
+                    continue
+                guests.append(str(address))
+                guest.close()
+
+        thread = threading.Thread(target=wait)
+        thread.start()
+        yield listening.getsockname()[1], guests
+        over.set()
+        thread.join()
+
+
+HOSTILE = {
+    "external dtd": after_declaration('<!DOCTYPE e57Root SYSTEM "{url}">'),
+    "external entity": after_declaration('<!DOCTYPE e57Root [<!ENTITY x SYSTEM "{url}">]>'),
+    "parameter entity": after_declaration('<!DOCTYPE e57Root [<!ENTITY % x SYSTEM "{url}"> %x;]>'),
+    "local file": after_declaration('<!DOCTYPE e57Root [<!ENTITY x SYSTEM "file:///etc/passwd">]>'),
+    "public dtd": after_declaration('<!DOCTYPE e57Root PUBLIC "-//X//Y" "{url}">'),
+    "spaces": after_declaration('\n\n<!DOCTYPE\n\n e57Root\tSYSTEM "{url}">'),
+    "schema": in_root(
+        'xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance" '
+        'xsi:schemaLocation="http://www.astm.org/COMMIT/E57/2010-e57-v1.0 {url}"'
+    ),
+    "schema without namespace": in_root(
+        'xmlns:q="http://www.w3.org/2001/XMLSchema-instance" q:noNamespaceSchemaLocation="{url}"'
+    ),
+    "laughs": after_declaration(
+        "<!DOCTYPE e57Root ["
+        + '<!ENTITY a0 "ha">'
+        + "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 12))
+        + "]>"
+    ),
+    "utf-16": lambda xml: xml.decode().replace("UTF-8", "UTF-16").encode("utf-16"),
+    "utf-16 without a mark": lambda xml: xml.decode().replace("UTF-8", "UTF-16").encode("utf-16-be"),
+    "utf-7": lambda xml: xml.replace(b"UTF-8", b"UTF-7"),
+    "deep": lambda xml: xml.replace(b"</e57Root>", b"<a>" * 200 + b"</a>" * 200 + b"</e57Root>"),
+    "deep and open": lambda xml: xml.replace(b"</e57Root>", b"<a>" * 100_000),
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_nothing_is_fetched_and_the_file_is_refused(plain, server, tmp_path, name) -> None:
+    port, guests = server
+
+    def change(xml: bytes) -> bytes:
+        return HOSTILE[name](xml).replace(b"{url}", f"http://127.0.0.1:{port}/x.dtd".encode())
+
+    path = tmp_path / "hostile.e57"
+    path.write_bytes(with_xml(plain, change))
+    with pytest.raises(ReadError, match="its XML"):
+        read(path)
+    assert guests == []
+
+
+@pytest.mark.parametrize("text", ["<!-- a scan -->", "<?xml-stylesheet href='a.xsl'?>", "\n\n"])
+def test_what_harms_nobody_is_read(plain, tmp_path, text) -> None:
+    path = tmp_path / "good.e57"
+    path.write_bytes(with_xml(plain, after_declaration(text)))
+    assert len(read(path)) == 500
+
+
+@pytest.mark.parametrize(
+    ("header", "why"),
+    [
+        ({"count": 1 << 40}, "bytes long"),
+        ({"count": 17 << 20}, "bytes long"),
+        ({"at": 1 << 60}, "lies outside"),
+        ({"at": 3}, "lies outside"),
+        ({"at": PAGE + 1022}, "lies outside"),
+        ({"size": 12345}, "where its header says 12345"),
+        ({"page": 0}, "pages of 0 bytes"),
+        ({"page": 4096}, "pages of 4096 bytes"),
+    ],
+)
+def test_headers_that_make_no_sense_are_refused(plain, tmp_path, header, why) -> None:
+    path = tmp_path / "bad.e57"
+    path.write_bytes(with_xml(plain, lambda xml: xml, **header))
+    with pytest.raises(ReadError, match=why):
+        read(path)
+
+
+@pytest.mark.parametrize("length", [8, 20, 47, 48, 1000])
+def test_files_that_end_early_are_refused(plain, tmp_path, length) -> None:
+    path = tmp_path / "short.e57"
+    path.write_bytes(paged(plain)[:length])
+    with pytest.raises(ReadError):
+        read(path)
+
+
+def test_a_pipe_is_not_waited_for(tmp_path) -> None:
+    for suffix in (".e57", ".las", ".ply", ".xyz"):
+        path: Path = tmp_path / f"pipe{suffix}"
+        os.mkfifo(path)
+        with pytest.raises(ReadError, match="no file but a pipe"):
+            read(path)
+
+
+def test_the_check_reads_the_xml_that_the_library_reads(plain, tmp_path) -> None:
+    path = tmp_path / "good.e57"
+    path.write_bytes(paged(plain))
+    at, count = struct.unpack_from("<QQ", plain, 24)
+    start = at // PAGE * BODY + at % PAGE
+    assert e57_check._xml(path) == plain[start : start + count]
