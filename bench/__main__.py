@@ -7,7 +7,7 @@ import os
 import platform
 from datetime import date
 
-from bench import barren, cost, limits, profiles, rooms, shapes, uncertainty, workbench
+from bench import barren, cost, defaults, limits, profiles, rooms, shapes, uncertainty, workbench
 from bench.peers import table as peers
 
 BENCHMARKS = {
@@ -18,6 +18,7 @@ BENCHMARKS = {
     "barren": barren.run,
     "profiles": profiles.run,
     "limits": limits.run,
+    "defaults": defaults.run,
     "uncertainty": uncertainty.run,
     "workbench": workbench.run,
 }
@@ -35,6 +36,7 @@ def main() -> None:
     barren.options(parser)
     profiles.options(parser)
     limits.options(parser)
+    defaults.options(parser)
     uncertainty.options(parser)
     chosen = parser.parse_args()
     unknown = sorted(set(chosen.names) - set(BENCHMARKS))

@@ -1,21 +1,15 @@
 """A user's session in the window: a groin vault from the menu, its edit, the demo scan, a fit, and what it found."""
 
-import os
 import time
-import traceback
 
 import FreeCAD as App
 import FreeCADGui as Gui
 import given
-from PySide import QtCore, QtGui
+import session
+from PySide import QtGui
+from session import screenshot
 
 SECONDS = 120  # for the fit
-
-
-def screenshot(name):
-    """What the X server shows: `QWidget.grab` leaves out the 3D view."""
-    screen = QtGui.QApplication.primaryScreen()
-    screen.grabWindow(0).save(str(given.FOLDER / f"{name}.png"))
 
 
 def pixels(name):
@@ -34,23 +28,13 @@ def look_at(*objects):
         Gui.Selection.addSelection(obj)
 
 
-def session(found):
-    """Yields the milliseconds in which FreeCAD is to go its own way."""
-    view = App.ParamGet("User parameter:BaseApp/Preferences/View")
-    view.SetBool("Simple", True)
-    view.SetBool("Gradient", False)
-    view.SetUnsigned("BackgroundColor", 0xFFFFFFFF)
-    window = Gui.getMainWindow()
-    window.move(0, 0)
-    window.resize(1400, 900)
-    docks = [dock for dock in window.findChildren(QtGui.QDockWidget) if dock.isVisible()]
-    window.resizeDocks(docks, [330] * len(docks), QtCore.Qt.Horizontal)
-    Gui.activateWorkbench("VaultCadWorkbench")
+def user(found):
+    window = session.window(dock=330)
     yield 500
     bar = window.menuBar().actions()
     entry = next(action for action in bar if action.text() == "VaultCad")
     menu = entry.menu().actions()
-    new = menu[0].menu().actions()
+    new = session.new_vaults()
     found["menu"] = [action.text() for action in menu]
     found["families"] = [action.text() for action in new]
     found["toolbar"] = [bar.windowTitle() for bar in window.findChildren(QtGui.QToolBar)]
@@ -135,22 +119,4 @@ def session(found):
     found["again"] = len(set(again.ViewObject.DiffuseColor))
 
 
-def run():
-    found = {}
-    steps = session(found)
-
-    def step():
-        try:
-            QtCore.QTimer.singleShot(next(steps), step)
-        except StopIteration:
-            given.tell(found)
-            os._exit(0)
-        except BaseException:
-            screenshot("failed")
-            given.tell({"failed": traceback.format_exc()})
-            os._exit(1)
-
-    step()
-
-
-QtCore.QTimer.singleShot(1000, run)
+session.run(user)
