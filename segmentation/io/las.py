@@ -1,7 +1,8 @@
 """LAS and LAZ, read in chunks by laspy."""
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,51 +13,73 @@ from segmentation.crs import Crs, of_geokeys, of_wkt
 from segmentation.errors import ReadError
 from segmentation.io.chunk import SIZE, Chunk
 from segmentation.io.facts import Facts
+from segmentation.io.las_check import WAY_OUT, Kept, check_las
+from segmentation.io.laz_apart import ApartReader, DecoderError
 
 NORMALS = ("NormalX", "NormalY", "NormalZ")
 """Extra dimensions for normals, named as CloudCompare does."""
-WAY_OUT = "copy it again from where it comes from, or export the scan again"
-
-
 NOISE = {7: "noise (class 7)", 18: "high noise (class 18)"}
 """Classes of the LAS standard that are no surface, and what they are called."""
-WKT, KEYS, DOUBLES = 2112, 34735, 34736
-"""Records of the VLRs that hold a well-known text, GeoTIFF keys, and the real numbers of some of these."""
+WKT, KEYS, DOUBLES, LASZIP = 2112, 34735, 34736, 22204
+"""Records that hold a well-known text, GeoTIFF keys, the real numbers of some of these, and how points are packed."""
 
 
 def read_las(path: Path, facts: Facts) -> Iterator[Chunk]:
     """The points of a LAS or LAZ file with colour, intensity, classification and, as extra dimensions, normals.
 
     Points that are withheld, synthetic or of a noise class are marked; the coordinate system is told to `facts`.
-    Raises ReadError if the file is damaged or holds fewer points than its header promises. LAZ has no checksums: damage
-    amid compressed points may pass unnoticed.
+    Raises ReadError if the file is damaged or holds fewer points than its header promises. LAZ has no checksums, so
+    points are compared with the box and the counts of its header, and what differs is told.
     """
-    with open_las(path) as reader:
-        reader.decompression_selection = _needed(reader.header)
+    kept = Kept(check_las(path))
+    with open_las(path, needed=_needed) as reader:
         facts.declare(_crs(reader, facts))
         total = reader.header.point_count
         done = 0
         for points in las_points(path, reader):
             done += len(points)
-            yield _chunk(points, reader.header, done / total)
+            chunk = _chunk(points, reader.header, done / total)
+            kept.count(chunk.xyz, np.asarray(points["return_number"]))
+            yield chunk
+        broken = kept.broken(reader.header.scales)
+        if broken:
+            facts.tell("damaged", f"the file may be damaged: its header promises other points ({broken})")
 
 
-def open_las(path: Path) -> Any:
-    """A laspy reader that decompresses in parallel. Raises ReadError if the header makes no sense or points lack."""
+@contextmanager
+def open_las(path: Path, needed: Callable[[Any], Any] | None = None) -> Iterator[Any]:
+    """A laspy reader, to which a process of its own hands the points of a LAZ file.
+
+    needed: by the header, which parts of the points are to be unpacked, as laspy names them; all by default. Raises
+    ReadError if the header makes no sense or points lack.
+    """
     import laspy
 
+    check_las(path)
     # laspy logs what it also raises; without a handler that would reach standard error
     logging.getLogger("laspy").addHandler(logging.NullHandler())
     try:
-        reader = laspy.open(path, laz_backend=laspy.LazBackend.LazrsParallel)
+        reader = laspy.open(path)
     except Exception as error:
         raise ReadError(path, f"is no whole LAS or LAZ file ({error})", WAY_OUT) from error
-    header = reader.header
-    whole = header.offset_to_point_data + header.point_count * header.point_format.size
-    if not header.are_points_compressed and path.stat().st_size < whole:
+    try:
+        if reader.header.are_points_compressed:
+            reader._point_source = _unpacked(path, reader.header, needed)
+        yield reader
+    finally:
         reader.close()
-        raise _truncated(path, header.point_count)
-    return reader
+        reader._source.close()  # which laspy leaves to whoever unpacks
+
+
+def _unpacked(path: Path, header: Any, needed: Callable[[Any], Any] | None) -> ApartReader:
+    """Who unpacks the points of a LAZ file."""
+    from laspy import DecompressionSelection as Part
+
+    record = next((vlr.record_data for vlr in header.vlrs if vlr.record_id == LASZIP), None)
+    if not isinstance(record, bytes):
+        raise ReadError(path, "is compressed, but does not say how", WAY_OUT)
+    parts = Part.all() if needed is None else needed(header)
+    return ApartReader(path, header, record, [part.name for part in Part if part.name and parts.is_set(part)])
 
 
 def las_points(path: Path, reader: Any) -> Iterator[Any]:
@@ -67,6 +90,9 @@ def las_points(path: Path, reader: Any) -> Iterator[Any]:
         for points in reader.chunk_iterator(SIZE):
             done += len(points)
             yield points
+    except DecoderError as error:
+        wrong = f"is truncated or damaged: its header promises {total} points, which cannot be unpacked ({error})"
+        raise ReadError(path, wrong, WAY_OUT) from error
     except Exception as error:
         raise _truncated(path, total) from error
     if done < total:

@@ -117,7 +117,7 @@ def test_a_scan_is_fitted_and_exported(in_freecad, tmp_path) -> None:
     assert fit["values"]["span_y"] == pytest.approx(5.4, abs=0.02)
     assert fit["base"] == pytest.approx([1000 * report["pose"][axis] for axis in "xyz"])
     assert flat(fit["pose"]) == pytest.approx(flat(report["pose"]))
-    assert report["flags"] == []
+    assert all(flag.startswith("profile ") and " or " in flag for flag in report["flags"]), "arches that are not sure"
 
     assert import_step(tmp_path / "fitted.step").volume > 0
     assert (tmp_path / "fitted.glb").read_bytes().startswith(b"glTF")

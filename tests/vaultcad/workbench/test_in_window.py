@@ -1,10 +1,13 @@
 """The add-on in FreeCAD's real window, on a screen that nobody sees. Pictures stay in the test's folder."""
 
+from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from families import FAMILIES
+from segmentation.io import write_cloud
 from vaultcad.workbench.measured import told
 
 pytestmark = pytest.mark.freecad
@@ -30,7 +33,7 @@ def test_from_the_menu_to_a_fitted_vault(in_window, tmp_path: Path) -> None:
     assert fitted["same"]
     assert fitted["states"] == ["Up-to-date"]
     assert fitted["pixels"] > 200
-    value, std = found["table"]["span_x"]
+    value, std = found["table"]["span x"]
     assert float(value.split()[0]) == pytest.approx(4.6, abs=0.02)
     assert std.endswith(" mm")
     assert len(found["alternatives"]) > 1
@@ -39,14 +42,38 @@ def test_from_the_menu_to_a_fitted_vault(in_window, tmp_path: Path) -> None:
     assert all((tmp_path / f"{name}.png").stat().st_size > 30_000 for name in ("vault", "scan", "fitted"))
 
 
+def test_new_vaults_lie_beside_what_is_there(in_window, tmp_path: Path) -> None:
+    write_cloud(tmp_path / "room.ply", np.random.default_rng(1).uniform(-4, 4, (1000, 3)))
+    found = in_window("beside", scan=str(tmp_path / "room.ply"))
+    ids = [cls.id for cls in FAMILIES]
+    assert found["pictures"] == len(ids), "each family has an icon of its own"
+    vaults = found["vaults"]
+    assert [vault["family"] for vault in vaults] == ids
+    assert all(vault["selected"] for vault in vaults), "the new one alone"
+    assert [Path(vault["icon"]).stem for vault in vaults] == ids
+    places = [vault["base"][0] for vault in vaults]
+    assert places[0] == 0
+    assert all(after > before + 1000 for before, after in pairwise(places))
+    assert found["past"][0] == pytest.approx(found["scan"][1] + 1000, abs=1)
+    assert found["steps"] == 1
+    assert found["undone"], "in one step"
+    assert found["redone"][0] == pytest.approx(found["past"])
+    assert [Path(name).stem for name in found["opened"]] == [*ids, "dome"]
+
+
 def test_nothing_of_the_panel_is_cut_in_a_narrow_dock(in_window, make_model) -> None:
     flags = ["profile x: semicircular or stilted or segmental", "springing: known only roughly"]
-    others = [(cls.id, 0.1) for cls in FAMILIES]
-    vaults = [
-        {**told(make_model(cls.id).vaults[0]), "flags": flags, "alternatives": others, "region": None}
-        for cls in FAMILIES
-    ]
-    for name, seen in in_window("narrow", vaults=vaults).items():
-        if name != "said":
-            print(name, seen)
-    assert False
+    others = [(cls.id, 0.1) for cls in reversed(FAMILIES)]
+    vaults = []
+    for cls in FAMILIES:
+        report = told(make_model(cls.id).vaults[0])
+        for estimate in report["estimates"].values():
+            estimate["std"] = 0.2431
+        vaults.append({**report, "flags": flags, "alternatives": others, "region": None})
+    found = in_window("narrow", vaults=vaults)
+    for cls in FAMILIES:
+        seen = found[cls.id]
+        assert seen["dock"] <= 310
+        assert seen["scrolled"] == 0
+        assert seen["table"][1] <= seen["table"][0]
+        assert (seen["cut"], seen["labels"]) == ([], [])

@@ -18,7 +18,7 @@ def cut(table):
     for row in range(table.rowCount()):
         for column in range(table.columnCount()):
             item = table.item(row, column)
-            room = QtCore.QSize(table.columnWidth(column) - 2 * margin, table.rowHeight(row))
+            room = table.visualItemRect(item).adjusted(margin, 0, -margin, 0)
             metrics = QtGui.QFontMetrics(item.font())
             within = QtCore.QRect(0, 0, room.width(), 10 * room.height())
             needed = metrics.boundingRect(within, QtCore.Qt.TextWordWrap, item.text())
@@ -32,13 +32,20 @@ def cut(table):
     ]
 
 
-def look(page, dock):
+def around(widget, kind):
+    """The nearest widget of a kind that holds another."""
+    while not isinstance(widget, kind):
+        widget = widget.parent()
+    return widget
+
+
+def look(page):
     table = page.findChildren(QtGui.QTableWidget)[0]
-    edge = page.mapTo(dock, QtCore.QPoint(page.width(), 0)).x()
+    dock, area = around(page, QtGui.QDockWidget), around(page, QtGui.QScrollArea)
     return {
         "dock": dock.width(),
         "page": [page.width(), page.minimumSizeHint().width()],
-        "beyond": edge > dock.width(),
+        "scrolled": area.horizontalScrollBar().maximum(),
         "table": [table.viewport().width(), sum(table.columnWidth(k) for k in range(table.columnCount()))],
         "cut": cut(table),
         "labels": [
@@ -59,10 +66,7 @@ def user(found):
         panel.show_results(obj)
         yield 500
         page = next(w for w in QtGui.QApplication.allWidgets() if w.windowTitle() == obj.Label and w.isVisible())
-        dock = page.parent()
-        while not isinstance(dock, QtGui.QDockWidget):
-            dock = dock.parent()
-        found[report["family"]] = look(page, dock)
+        found[report["family"]] = look(page)
         session.screenshot(f"panel_{report['family']}")
 
 

@@ -12,7 +12,7 @@ WIDTH, HEIGHT = 1400, 900
 
 
 def window(dock):
-    """The main window in the corner of the screen, before a plain background; dock: width of what is beside the view."""
+    """The main window in a corner of the screen, before a plain background; dock: width of what is beside the view."""
     view = App.ParamGet("User parameter:BaseApp/Preferences/View")
     view.SetBool("Simple", True)
     view.SetBool("Gradient", False)
@@ -24,13 +24,6 @@ def window(dock):
     main.resizeDocks(docks, [dock] * len(docks), QtCore.Qt.Horizontal)
     Gui.activateWorkbench("VaultCadWorkbench")
     return main
-
-
-def new_vaults():
-    """The entries of the menu of families."""
-    bar = Gui.getMainWindow().menuBar().actions()
-    entry = next(action for action in bar if action.text() == "VaultCad")
-    return entry.menu().actions()[0].menu().actions()
 
 
 def screenshot(name):

@@ -34,7 +34,7 @@ def user(found):
     bar = window.menuBar().actions()
     entry = next(action for action in bar if action.text() == "VaultCad")
     menu = entry.menu().actions()
-    new = session.new_vaults()
+    new = menu[0].menu().actions()
     found["menu"] = [action.text() for action in menu]
     found["families"] = [action.text() for action in new]
     found["toolbar"] = [bar.windowTitle() for bar in window.findChildren(QtGui.QToolBar)]

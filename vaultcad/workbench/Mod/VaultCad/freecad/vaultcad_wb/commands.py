@@ -72,21 +72,23 @@ class NewVault(Command):
 class NewFamily(Command):
     """A vault of one family."""
 
-    image = "vault"
-
     def __init__(self, declaration: dict[str, Any]) -> None:
-        self.family = declaration["id"]
+        self.family = self.image = declaration["id"]
         self.menu = declaration["title"].capitalize()
         names = [names[0] for names in declaration["aliases"].values() if names]
         self.tip = f"{self.menu}: {', '.join(names)}"
 
     def run(self, index: int) -> None:
-        """Make it in the active document, or in a new one."""
+        """Make it in the active document, beside what is there, or in a new one; it alone is selected."""
         document = App.ActiveDocument or App.newDocument()
         document.openTransaction(translate("VaultCad", "New vault"))
-        vault.make(document, self.family)
+        obj = vault.make(document, self.family)
+        document.recompute()
+        vault.put_beside(obj)
         document.recompute()
         document.commitTransaction()
+        Gui.Selection.clearSelection()
+        Gui.Selection.addSelection(obj)
         Gui.ActiveDocument.ActiveView.viewIsometric()
         Gui.SendMsgToActiveView("ViewFit")
 

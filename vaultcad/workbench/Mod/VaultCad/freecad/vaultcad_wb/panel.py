@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from html import escape
+from math import degrees
 from typing import Any
 
 import FreeCADGui as Gui
@@ -18,6 +19,8 @@ from .texts import complain, translate
 from .view import icon
 
 EVERY = 100  # [ms] between two looks at the fit
+MARGIN = 4  # [px] about a page of results: FreeCAD's own lies around it
+ROW = 22  # [px], the least height of a row of the table
 
 
 def start(
@@ -120,8 +123,9 @@ class ResultPanel:
             report["flags"] = [why, *report["flags"]]
         page = QtGui.QWidget()
         page.setWindowTitle(obj.Label)
-        page.setWindowIcon(QtGui.QIcon(icon("vault")))
+        page.setWindowIcon(QtGui.QIcon(icon(obj.Proxy.declaration["id"])))
         layout = QtGui.QVBoxLayout(page)
+        layout.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
         summary = QtGui.QLabel(_summary(report))
         summary.setWordWrap(True)
         layout.addWidget(summary)
@@ -153,39 +157,55 @@ def _legend() -> Any:
         for at, colour in zip((0, 0.5, 1), SCALE, strict=True)
     )
     room, stone = translate("VaultCad", "room"), translate("VaultCad", "stone")
-    label = QtGui.QLabel(f"−{LIMIT:g} mm {room}        0        {stone} +{LIMIT:g} mm")
-    label.setAlignment(QtCore.Qt.AlignCenter)
-    label.setStyleSheet(f"color: black; padding: 2px; background: qlineargradient(x1:0, x2:1, {stops})")
-    return label
+    scale = QtGui.QFrame()
+    scale.setObjectName("scale")  # or each label would have a scale of its own
+    scale.setStyleSheet(f"#scale {{ background: qlineargradient(x1:0, x2:1, {stops}) }} QLabel {{ color: black }}")
+    row = QtGui.QHBoxLayout(scale)
+    row.setContentsMargins(4, 2, 4, 2)
+    left, middle, right = QtCore.Qt.AlignLeft, QtCore.Qt.AlignCenter, QtCore.Qt.AlignRight
+    for text, side in ((f"−{LIMIT:g} mm\n{room}", left), ("0", middle), (f"+{LIMIT:g} mm\n{stone}", right)):
+        label = QtGui.QLabel(text)
+        label.setAlignment(side | QtCore.Qt.AlignVCenter)
+        row.addWidget(label, 1)
+    return scale
 
 
 def _table(estimates: dict[str, dict[str, Any]]) -> Any:
+    """Names take the room that the numbers leave, in several lines where they must: the panel is narrow."""
     columns = [translate("VaultCad", "Parameter"), translate("VaultCad", "Value"), "±"]
     table = QtGui.QTableWidget(len(estimates), len(columns))
     table.setHorizontalHeaderLabels(columns)
     table.verticalHeader().hide()
     table.setEditTriggers(QtGui.QAbstractItemView.NoEditTriggers)
+    left, right = (side | QtCore.Qt.AlignVCenter for side in (QtCore.Qt.AlignLeft, QtCore.Qt.AlignRight))
     for row, (name, estimate) in enumerate(estimates.items()):
         std = "" if estimate["std"] is None else _std(estimate["std"], estimate["unit"])
-        for column, text in enumerate((name, shown(estimate["value"], estimate["unit"]), std)):
+        texts = (name.replace("_", " "), shown(estimate["value"], estimate["unit"]), std)
+        for column, (text, side) in enumerate(zip(texts, (left, right, right), strict=True)):
             item = QtGui.QTableWidgetItem(text)
+            item.setTextAlignment(int(side))
             item.setToolTip(estimate["meaning"])
             table.setItem(row, column, item)
-    table.verticalHeader().setDefaultSectionSize(22)
-    table.resizeColumnsToContents()
-    table.horizontalHeader().setStretchLastSection(True)
+    header, modes = table.horizontalHeader(), QtGui.QHeaderView
+    for column, mode in enumerate((modes.Stretch, modes.ResizeToContents, modes.ResizeToContents)):
+        header.setSectionResizeMode(column, mode)
+    table.verticalHeader().setMinimumSectionSize(ROW)
+    table.verticalHeader().setSectionResizeMode(modes.ResizeToContents)
     table.setMinimumHeight(260)
     return table
 
 
 def _std(value: float, unit: str) -> str:
-    return f"{1000 * value:.1f} mm" if unit == "m" else shown(float(f"{value:.2g}"), unit)
+    if unit == "m":
+        return f"{1000 * value:.1f} mm"
+    return f"{degrees(value):.2g}°" if unit == "rad" else f"{value:.2g}"
 
 
 def _alternatives(obj: Any, report: dict[str, Any]) -> Any:
     rows = QtGui.QVBoxLayout()
     rows.addWidget(QtGui.QLabel(translate("VaultCad", "Or else:")))
     choice = QtGui.QComboBox()
+    choice.setSizeAdjustPolicy(QtGui.QComboBox.AdjustToMinimumContentsLengthWithIcon)  # long titles widen no panel
     titles = {name: family["title"] for name, family in families().items()}
     for name, score in report["alternatives"]:
         choice.addItem(f"{titles.get(name, name)} ({score:.0%})", name)

@@ -16,6 +16,8 @@ from .client import BUILDER, GoneError, RefusedError
 from .texts import complain, translate
 
 MM = 1000.0
+GAP = 1000.0  # [mm] between a new vault and what is there already
+ENDLESS = 1e9  # [mm]: planes of reference are larger
 HIDDEN = properties.HIDDEN
 INNER = (  # what the object keeps for itself, undone and saved like the rest
     ("App::PropertyString", "Built", "the request that the shape answers, and its sizes"),
@@ -45,6 +47,19 @@ def make(document: Any, family: str, name: str | None = None) -> Any:
 def is_vault(obj: Any) -> bool:
     """Whether an object of a document is a vault of ours."""
     return isinstance(getattr(obj, "Proxy", None), Vault)
+
+
+def put_beside(obj: Any) -> None:
+    """Move a vault along x, past all that is seen in its document: shapes, scans, meshes."""
+    there = App.BoundBox()
+    for other in obj.Document.Objects:
+        if other is not obj and other.Visibility:
+            for name in ("Shape", "Points", "Mesh"):
+                box = getattr(getattr(other, name, None), "BoundBox", None)
+                if box is not None and box.isValid() and box.DiagonalLength < ENDLESS:
+                    there.add(box)
+    if there.isValid() and not obj.Shape.isNull():
+        obj.Placement.Base.x += there.XMax + GAP - obj.Shape.BoundBox.XMin
 
 
 def faces(obj: Any, component: str) -> list[Any]:

@@ -12,8 +12,9 @@ ICONS = Path(__file__).parent / "icons"
 
 
 def icon(name: str) -> str:
-    """The path of an icon."""
-    return str(ICONS / f"{name}.svg")
+    """The path of an icon; that of a vault for a family that has none of its own."""
+    path = ICONS / f"{name}.svg"
+    return str(path if path.exists() else ICONS / "vault.svg")
 
 
 class View:
@@ -40,7 +41,9 @@ class View:
 class VaultView(View):
     """Colours the faces of a vault by component; a double click shows what the fit found."""
 
-    icon_name = "vault"
+    def attach(self, view: Any) -> None:
+        """The object is there: its family has an icon."""
+        self.icon_name = view.Object.Proxy.declaration["id"]
 
     def updateData(self, obj: Any, name: str) -> None:
         """Faces were made anew: colour them."""
