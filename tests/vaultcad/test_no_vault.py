@@ -66,7 +66,8 @@ def test_what_is_no_vault_is_refused(scene: Callable[[np.random.Generator], Poin
 
 
 @pytest.mark.parametrize(
-    ("kind", "seed"), [("facade", 508), ("facade", 518), ("roof", 517), ("office", 510), ("corridor", 10)]
+    ("kind", "seed"),
+    [("facade", 508), ("facade", 518), ("roof", 517), ("roof", 9128), ("office", 510), ("corridor", 10)],
 )
 def test_scenes_that_were_taken_for_vaults_are_refused(kind: str, seed: int) -> None:
     xyz = draw_barren(kind, np.random.default_rng(seed), 60_000)
