@@ -197,23 +197,24 @@ def rivals(choices: Sequence[Choice], placed: Placed) -> tuple[Rival, ...]:
 
 
 def widened(spread: Covariance, placed: Placed, choices: Sequence[Choice]) -> Covariance:
-    """A covariance of the unknowns, with what other choices make of these."""
+    """A covariance of the unknowns of the first choice, with what the others make of these."""
     vault, pose = placed.vault, placed.pose
     here = {**vault.values(), **{name: getattr(pose, name) for name in POSE}}
+    values, own = np.array([here[name] for name in spread.names]), np.sqrt(np.diag(spread.matrix))
     matrix = spread.matrix.copy()
-    own = np.diag(spread.matrix)
     for choice in choices[1:]:
-        told = [choice.sizes.get(name, (here[name], 0.0)) for name in spread.names]
-        away = np.array([mean - here[name] for name, (mean, _) in zip(spread.names, told, strict=True)])
-        more = np.array([std for _, std in told]) ** 2 - own
-        matrix += choice.chance * (np.outer(away, away) + np.diag(np.maximum(more, 0.0)))
-    return Covariance(spread.names, matrix)
+        means = [choice.sizes.get(name, (here[name], 0.0))[0] for name in spread.names]
+        matrix += choice.chance * np.outer(means - values, means - values)
+    wanted = [deviation(name, here[name], float(own[k]), choices) for k, name in enumerate(spread.names)]
+    made = np.sqrt(np.diag(matrix))
+    scale = np.array(wanted) / np.where(made > 0, made, 1.0)
+    return Covariance(spread.names, matrix * np.outer(scale, scale))
 
 
 def deviation(name: str, value: float, std: float, choices: Sequence[Choice]) -> float:
-    """The standard deviation of a size of the first choice, with what the others make of it."""
+    """The standard deviation of a size over all choices, the first of which has this value and this deviation."""
     variance = std**2
     for choice in choices[1:]:
         mean, own = choice.sizes.get(name, (value, std))
-        variance += choice.chance * ((mean - value) ** 2 + max(own**2 - std**2, 0.0))
-    return float(np.sqrt(variance))
+        variance += choice.chance * ((mean - value) ** 2 + own**2 - std**2)
+    return float(np.sqrt(max(variance, 0.0)))

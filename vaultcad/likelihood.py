@@ -14,8 +14,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from families import Dome
 from vaultcad.evidence import Evidence
-from vaultcad.practice import beforehand
+from vaultcad.practice import beforehand, shapes_an_arch
 from vaultcad.refine import WIDEST, Refined
 from vaultcad.settlement import (
     OUTLIER,
@@ -37,6 +38,7 @@ STEPS, GAIN = 12, 1e-4  # of their fits at most, and the share of the cost that 
 NARROWEST = 0.02  # m, scale of their loss
 EDGE, EDGE_SHARE = 0.3, 0.08  # m, and share of the shorter side: stone so near to an edge is rounded, plastered, hidden
 FAR, FEW_FAR = 0.06, 0.02  # m off a fit that is far, and the share of the blocks that may be
+WIDE = 0.015  # of a ratio, to either side, over which distances are compared
 DOUBT = 1.4  # log likelihoods are divided by this, as no settlement is quite such a field
 ENOUGH = 40  # blocks without which nothing is said
 NEVER = 1e-3  # chance that a parameter is within its range at the least
@@ -111,13 +113,36 @@ class Field:
             name: (here[name] + float(mean[k]), sqrt(max(float(variance[k]), 0.0))) for k, name in enumerate(slopes)
         }
 
+    def _secants(self, solution: Solution) -> Array:
+        """Derivatives (n, k) of the distances, those by the rise of arches over wide steps that leave the crown there.
+
+        A segment that is all but a semicircle can lose its foot to the wall without a change of first order.
+        """
+        out, vault, pose = solution.jacobian.copy(), solution.placed.vault, solution.placed.pose
+        values, parameters = vault.values(), {p.name: p for p in vault.parameters()}
+        for k, name in enumerate(solution.names[len(POSE) :], len(POSE)):
+            if isinstance(vault, Dome) or not shapes_an_arch(vault, name):
+                continue
+            low, high = parameters[name].range.low, parameters[name].range.high
+            ends = [min(max(values[name] + side * WIDE, low), high) for side in (-1, 1)]
+            vaults = [solution.free.settled(vault, {name: end}) for end in ends]
+            rises = [end.derived_values()["rise"] - vault.derived_values()["rise"] for end in vaults]
+            if rises[0] == rises[1]:
+                continue
+            less, more = (
+                Placed(end, replace(pose, z=pose.z - rise)).distance(self.evidence.points)
+                for end, rise in zip(vaults, rises, strict=True)
+            )
+            out[:, k] = (more - less + (rises[1] - rises[0]) * solution.jacobian[:, 2]) / (ends[1] - ends[0])
+        return out
+
     def _marginal(self, solution: Solution) -> tuple[Array, Array, Array]:
         """Log likelihoods (h,), means (h, u) of the unknowns and inverses (h, u, u) of their covariances.
 
         h runs over lengths, strengths and roughnesses of the field; means are from where the solution is.
         """
         residual = self.blocks.means(solution.residuals[:, None])[self.usable, 0]
-        jacobian = self.blocks.means(solution.jacobian)[self.usable]
+        jacobian = self.blocks.means(self._secants(solution))[self.usable]
         precision, mean = beforehand(solution)
         strengths, roughnesses = STRENGTHS[COARSE] ** 2, ROUGHNESSES[COARSE] ** 2
         found = []

@@ -59,6 +59,11 @@ def log_prior(vault: Vault, kept: Iterable[Constraint]) -> float:
     return kinds + sum(log(KEPT if c.name in held else 1 - KEPT) for c in vault.constraints if c.rare)
 
 
+def shapes_an_arch(vault: Vault, name: str) -> bool:
+    """Whether a parameter is one of an arch's."""
+    return any(p.name == name and p.path[0] in vault.profiles for p in vault.parameters())
+
+
 def beforehand(solution: Solution) -> tuple[Array, Array]:
     """What is known of the unknowns without the scan: inverse variances (k,), and means (k,) from where they are."""
     vault = solution.placed.vault

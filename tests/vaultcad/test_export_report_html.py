@@ -1,5 +1,8 @@
 import dataclasses
 import re
+import shutil
+import subprocess
+from html import escape
 from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
@@ -144,3 +147,32 @@ def test_numbers_that_hang_on_unseen_stone_are_marked_and_the_marks_explained(ma
     assert "crown above the springing; hangs on stone that the scan did not see; is known only roughly" in text
     assert "<b>?</b> hangs on stone that the scan did not see" in text
     assert "<b>?</b>" not in page(model)[0]
+
+
+def test_each_table_has_its_own_box_and_each_cell_its_title(every_family, page):
+    text, parser = page(every_family)
+    assert text.count('<div class="wide"><table>') == text.count("<table>") > len(FAMILIES)
+    assert ".wide { overflow-x: auto; }" in text
+    assert all(attrs["data-title"] for tag, attrs in parser.seen if tag == "td")
+
+
+@pytest.mark.browser
+def test_the_page_is_no_wider_than_a_phone(every_family, page, tmp_path):
+    chromium = shutil.which("chromium")
+    if chromium is None:
+        pytest.skip("chromium is not installed: apt-get install --no-install-recommends chromium")
+    long = "a_scan_whose_name_has_no_place_where_it_could_be_broken_into_lines.laz"
+    text = escape(page(dataclasses.replace(every_family, scan=Path(long)))[0])
+    widths = (320, 360, 375, 390)
+    frames = "".join(f'<iframe width="{width}" height="700" srcdoc="{text}"></iframe>' for width in widths)
+    # What is hidden in the boxes of tables counts as well: on a phone nothing is to be scrolled sideways.
+    look = """onload = () => { document.title = [...document.querySelectorAll("iframe")].map(frame => {
+        const page = frame.contentDocument, boxes = [page.documentElement, ...page.querySelectorAll(".wide")];
+        return boxes.filter(box => box.scrollWidth > box.clientWidth).length
+    }).join(" ") }"""
+    (tmp_path / "phones.html").write_text(f"<!doctype html><body>{frames}<script>{look}</script>", encoding="utf-8")
+    flags = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={tmp_path / 'profile'}", "--dump-dom"]
+    done = subprocess.run(
+        [chromium, *flags, (tmp_path / "phones.html").as_uri()], capture_output=True, text=True, timeout=120, check=True
+    )
+    assert re.search("<title>(.*?)</title>", done.stdout)[1] == " ".join("0" for _ in widths)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from html import escape
 from math import degrees
 from pathlib import Path
@@ -62,7 +62,7 @@ def write_report_html(
 
 def _vault(fitted: FittedVault, model: Model, points: NDArray[np.float64], deviation: NDArray[np.float64]) -> str:
     vault, d = fitted.vault, fitted.deviation
-    size = f"{2 * vault.plan.half_x:.2f} × {2 * vault.plan.half_y:.2f} m"
+    size = f"{2 * vault.plan.half_x:.2f} × {2 * vault.plan.half_y:.2f}\u00a0m"
     facts = [
         (size, "plan"),
         (_length(vault.derived_values().get("rise")), "rise"),
@@ -123,7 +123,7 @@ def _deviation(fitted: FittedVault, deviation: NDArray[np.float64]) -> str:
             "Distances of the vault's points to the ideal model: above zero they lie higher, below zero in the room"
         )
         chart = f"<figure>{histogram(deviation)}<figcaption>{escape(caption)}</figcaption></figure>"
-    return f"{_table(head, cells, numbers=slice(1, 5))}<p></p>{chart}"
+    return f"{_table(head, cells, numbers=slice(1, 5), long=(0,))}<p></p>{chart}"
 
 
 def _parameters(fitted: FittedVault, origin: NDArray[np.float64]) -> str:
@@ -162,8 +162,9 @@ def _rivals(fitted: FittedVault, up: float) -> str:
         z = fitted.pose.z + rival.springing + up
         cells = [_percent(rival.chance), escape("; ".join(filter(None, (arches, held)))), _length(rival.sizes["rise"])]
         rows.append([*cells, f"{z:.2f} m"])
+    table = _table(["chance", "built with", "rise", "springing"], rows, numbers=slice(2, 4), long=(1,))
     return (
-        f"<p></p>{_table(['chance', 'built with', 'rise', 'springing'], rows, numbers=slice(2, 4))}<p class='soft'>"
+        f"<p></p>{table}<p class='soft'>"
         "Vaults settle by more than some arches differ: these are likely too, each with the sizes that it had before "
         "it settled. The deviations below allow for them.</p>"
     )
@@ -182,7 +183,7 @@ def _estimates(kind: str, estimates: Mapping[str, Estimate]) -> str:
         meaning = escape("; ".join([e.meaning, *(FLAGS[flag][1] for flag in e.flags)]))
         seen = "–" if e.seen is None else _percent(e.seen)
         cells.append([f"<b>{escape(name.replace('_', ' '))}</b>", _value(e), f"{_std(e)} {e.marks}", seen, meaning])
-    return _table([kind, "value", "±", "seen", "meaning"], cells, numbers=slice(1, 4)) if cells else ""
+    return _table([kind, "value", "±", "seen", "meaning"], cells, numbers=slice(1, 4), long=(0, 4)) if cells else ""
 
 
 def _components(components: Iterable[Component]) -> str:
@@ -237,16 +238,23 @@ def _plainly(value: Any) -> str:
     return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
-def _table(head: Row, rows: Iterable[Row], numbers: slice) -> str:
-    """A table of cells that are HTML already; the columns `numbers` stand to the right."""
+def _table(head: Row, rows: Iterable[Row], numbers: slice, long: Container[int] = ()) -> str:
+    """A table of cells that are HTML already; the columns `numbers` stand to the right.
 
-    def row(cells: Row, tag: str) -> str:
-        texts = list(cells)
-        right = set(range(len(texts))[numbers])
-        return "".join(f'<{tag} class="{"n" if k in right else ""}">{text}</{tag}>' for k, text in enumerate(texts))
+    Each cell knows the title of its column: on a narrow screen rows are laid out as blocks, where those of `long`
+    columns take a whole line.
+    """
+    titles = [escape(title) for title in head]
+    right = range(len(titles))[numbers]
+    classes = ["n" if k in right else "long" if k in long else "" for k in range(len(titles))]
+    columns = list(zip(classes, titles, strict=True))
 
-    body = "".join(f"<tr>{row(cells, 'td')}</tr>" for cells in rows)
-    top = row(map(escape, head), "th")
+    def row(cells: Row) -> str:
+        told = zip(columns, cells, strict=True)
+        return "".join(f'<td class="{name}" data-title="{title}">{text}</td>' for (name, title), text in told)
+
+    top = "".join(f'<th class="{name}">{title}</th>' for name, title in columns)
+    body = "".join(f"<tr>{row(cells)}</tr>" for cells in rows)
     return f'<div class="wide"><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>'
 
 

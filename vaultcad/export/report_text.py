@@ -54,7 +54,7 @@ STYLE = """
   --line: #3a3e45; --accent: #7fbbd6; --scan: #ffa94d; } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 66rem; padding: 2rem 1.25rem 4rem; background: var(--paper); color: var(--ink);
-  font: 15px/1.5 system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; }
+  font: 15px/1.5 system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; overflow-wrap: break-word; }
 h1 { font-size: 1.9rem; line-height: 1.2; margin: 0 0 .25rem; }
 h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; }
 p { margin: .3rem 0 .8rem; max-width: 48rem; }
@@ -90,12 +90,22 @@ th { font-weight: 600; font-size: .85rem; color: var(--soft); }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 .swatch { display: inline-block; width: .85em; height: .85em; border-radius: .2em; margin-right: .45em; }
 .bar { display: inline-block; height: .6em; background: var(--accent); border-radius: .2em; vertical-align: middle; }
-.two { display: grid; grid-template-columns: repeat(auto-fit, minmax(19rem, 1fr)); gap: 1rem; align-items: start; }
+.two { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(19rem, 100%), 1fr)); gap: 1rem;
+  align-items: start; }
 .wide { overflow-x: auto; }
-dl { display: grid; grid-template-columns: max-content 1fr; gap: .2rem 1rem; margin: 0; }
+@media screen and (max-width: 44rem) { thead { display: none; } table, tbody, td { display: block; }
+  tr { display: grid; grid-template-columns: repeat(auto-fill, minmax(5.5rem, 1fr)); gap: .3rem .6rem;
+    padding: .5rem .6rem; border-bottom: 1px solid var(--line); font-size: .875rem; }
+  td, td.n { padding: 0; border: 0; text-align: left; white-space: normal; } td.long { grid-column: 1 / -1; }
+  td::before { content: attr(data-title); display: block; font-size: .75rem; color: var(--soft); }
+  .bar { display: block; margin: .35em 0 0; } }
+@media (max-width: 30rem) { .figures { grid-template-columns: repeat(2, 1fr); }
+  .figures b { white-space: normal; font-size: 1rem; }
+  .chart { overflow: visible; } .chart text { font-size: 20px; } }
+dl { display: grid; grid-template-columns: fit-content(40%) 1fr; gap: .2rem 1rem; margin: 0; }
 dt { font-weight: 600; } dd { margin: 0; color: var(--soft); overflow-wrap: anywhere; }
 a { color: var(--accent); }
 .swatch, .bar, .stone, .chart rect { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
-@media print { body { padding: 0; max-width: none; font-size: 11pt; background: none; }
+@media print { body { padding: 0; max-width: none; font-size: 11pt; background: none; } .wide { overflow: visible; }
   section, figure, table, .figures { break-inside: avoid; } h2 { break-after: avoid; } }
 """

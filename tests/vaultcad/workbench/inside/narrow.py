@@ -44,9 +44,7 @@ def look(page):
     dock, area = around(page, QtGui.QDockWidget), around(page, QtGui.QScrollArea)
     return {
         "dock": dock.width(),
-        "page": [page.width(), page.minimumSizeHint().width()],
         "scrolled": area.horizontalScrollBar().maximum(),
-        "table": [table.viewport().width(), sum(table.columnWidth(k) for k in range(table.columnCount()))],
         "cut": cut(table),
         "labels": [
             label.text()
