@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
@@ -43,18 +44,33 @@ class ApartReader:
                 "seconds": SECONDS + path.stat().st_size // RATE,
             }
         )
+        self._left = int(header.point_count)
+        self._ahead: tuple[int, Future[bytearray]] | None = None
+        self._thread = ThreadPoolExecutor(1)
         self._process: subprocess.Popen[bytes] | None = None
         self._said: IO[bytes] | None = None
 
     def read_n_points(self, n: int) -> bytearray:
-        """The next n records, as they are packed in LAS.
+        """The next n records, as they are packed in LAS; as many more are fetched meanwhile.
 
         Raises:
             DecoderError: there are fewer, or the process died.
         """
         if self._process is None:
             self._start()
-        assert self._process is not None  # just started
+        ahead, self._ahead = self._ahead, None
+        if ahead is not None and ahead[0] != n:  # nobody asks so, but nothing may be lost
+            raise ValueError(f"{n} points after {ahead[0]} were fetched")
+        points = self._fetched(n) if ahead is None else ahead[1].result()
+        self._left -= n
+        if self._left > 0:
+            following = min(n, self._left)
+            self._ahead = following, self._thread.submit(self._fetched, following)
+        return points
+
+    def _fetched(self, n: int) -> bytearray:
+        """The next n records from the process."""
+        assert self._process is not None  # started
         assert self._process.stdout is not None  # as it was asked for
         points = bytearray(n * self.size)
         view = memoryview(points)
@@ -70,6 +86,7 @@ class ApartReader:
         if self._process is not None:
             self._process.kill()
             self._process.wait()
+            self._thread.shutdown()  # its pipe has ended
             for file in (self._process.stdout, self._said):
                 if file is not None:
                     file.close()

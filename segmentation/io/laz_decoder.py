@@ -9,7 +9,7 @@ import json
 import os
 import sys
 
-CHUNK = 1 << 20  # points at once
+CHUNK = 1 << 18  # points at once
 SAID = 1 << 16  # bytes that may be written to a file, which is where standard error goes
 
 
