@@ -107,7 +107,7 @@ def one(seed: int) -> Outcome:
     if true is None:
         return Outcome(seed, cls.id, "turned by a right angle")
     sizes, kinds = true
-    odds = {name: dict(nearest.odds.get(name, {arch.id: 1.0})) for name, arch in nearest.vault.profiles.items()}
+    odds = {name: dict(nearest.odds.get(name, {kind: 1.0})) for name, kind in nearest.vault.kinds.items()}
     rise = nearest.parameters["rise"]
     spread = {} if nearest.covariance is None else nearest.covariance.stds()
     lengths = {

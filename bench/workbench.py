@@ -18,7 +18,6 @@ import numpy as np
 
 from families import FAMILIES, Vault
 from vaultcad.scanner.draw import draw
-from vaultcad.workbench.declarations import profiles_of
 from vaultcad.workbench.install import ADD_ON
 
 EDITS, DRAWN = 12, 40
@@ -54,7 +53,7 @@ def _told(taken: list[float]) -> str:
 
 def _rebuild(worker: Any, vault: Vault, thickness: float, path: Path) -> float:
     """Seconds of one rebuild."""
-    asked = {"family": vault.id, "profiles": profiles_of(vault), "parameters": vault.values()}
+    asked = {"family": vault.id, "profiles": vault.kinds, "parameters": vault.values()}
     start = time.perf_counter()
     worker.ask("build", **asked, thickness=thickness, path=str(path))
     return time.perf_counter() - start

@@ -54,7 +54,7 @@ def ideal(name: str, /, **parameters: Any) -> Vault:
         ValueError: an unknown name, or a value that cannot be.
     """
     vault = family(name)()
-    kinds = [field for field, value in vars(vault).items() if isinstance(value, Profile)]
+    kinds = list(vault.profiles)
     arches = {kind: _arch(kind, parameters.pop(kind)) for kind in kinds if kind in parameters}
     vault, ratios = vault.with_arches(arches), RATIOS[vault.id]
     known = [*kinds, *vault.values(), *ratios]

@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from families.mesh import Mesh, mesh
 from families.palette import colour
 from families.parameters import derived_declarations
-from families.profiles import Profile
 from families.vault import IDENTITY, Vault
 
 Floats = NDArray[np.float64]
@@ -54,7 +53,7 @@ def shown(page: str, traces: Callable[[], Sequence[Trace]], rows: Iterable[Seque
 
 def sizes(vault: Vault) -> list[Row]:
     """Profiles, parameters and derived sizes in units that people read."""
-    kinds = [(name, value.id, "kind of arch") for name, value in vars(vault).items() if isinstance(value, Profile)]
+    kinds = [(name, kind, "kind of arch") for name, kind in vault.kinds.items()]
     values, derived = vault.values(), derived_declarations(type(vault))
     given = [(p.name, told(values[p.name], p.range.unit), p.range.meaning) for p in vault.parameters()]
     follow = [(name, told(v, derived[name].unit), derived[name].meaning) for name, v in vault.derived_values().items()]

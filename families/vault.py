@@ -105,6 +105,11 @@ class Vault(Parametric):
         return {name: value for name, value in vars(self).items() if isinstance(value, Profile)}
 
     @property
+    def kinds(self) -> dict[str, str]:
+        """The ids of their kinds, likewise."""
+        return {name: arch.id for name, arch in self.profiles.items()}
+
+    @property
     def straight(self) -> Self:
         """The same over the rectangle from which its plan was skewed."""
         return self if self.skew is None else replace(self, skew=None)

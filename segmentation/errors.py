@@ -2,6 +2,9 @@
 
 from pathlib import Path
 
+COPY_AGAIN = "copy it again from where it comes from, or export the scan again"
+"""The way out of a file that is damaged."""
+
 
 class ReadError(ValueError):
     """A file that cannot be read as a point cloud. The message is one line: the file, what is wrong, the way out."""

@@ -89,13 +89,16 @@ class _Fitted:
     """One choice fitted. score: log of its odds, up to a constant."""
 
     solution: Solution
-    kinds: Kinds
     kept: tuple[Constraint, ...]
     score: float
 
     @property
     def placed(self) -> Placed:
         return self.solution.placed
+
+    @property
+    def kinds(self) -> Kinds:
+        return kinds_of(self.placed.vault)
 
 
 def _first(fitted: Sequence[_Fitted], kept: set[str]) -> _Fitted:
@@ -158,7 +161,7 @@ class _Search:
         fitted = solution.placed.vault
         if is_its_family(fitted) and self.demands.met(fitted) and moved.near(solution):
             score = moved.log_likelihood(solution) + log_prior(fitted, kept)
-            self.fitted[key] = _Fitted(solution, kinds, kept, score)
+            self.fitted[key] = _Fitted(solution, kept, score)
 
 
 def likeliest(refined: Refined, choices: Sequence[Choice], demands: Demands) -> Refined:
@@ -175,9 +178,9 @@ def odds(choices: Sequence[Choice]) -> dict[str, dict[str, float]]:
     """How likely each kind of arch is in each place: field -> id -> chance, the likeliest first."""
     found: dict[str, dict[str, float]] = {}
     for choice in choices:
-        for place, arch in choice.placed.vault.profiles.items():
+        for place, kind in choice.placed.vault.kinds.items():
             chances = found.setdefault(place, {})
-            chances[arch.id] = chances.get(arch.id, 0.0) + choice.chance
+            chances[kind] = chances.get(kind, 0.0) + choice.chance
     return {place: dict(sorted(chances.items(), key=lambda item: -item[1])) for place, chances in found.items()}
 
 
@@ -187,7 +190,7 @@ def rivals(choices: Sequence[Choice], placed: Placed) -> tuple[Rival, ...]:
     return tuple(
         Rival(
             choice.chance,
-            {name: arch.id for name, arch in choice.placed.vault.profiles.items()},
+            choice.placed.vault.kinds,
             tuple(c.name for c in choice.kept),
             {name: mean for name, (mean, _) in choice.sizes.items() if name not in POSE},
             choice.sizes["z"][0] - z,

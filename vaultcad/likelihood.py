@@ -116,7 +116,8 @@ class Field:
     def _secants(self, solution: Solution) -> Array:
         """Derivatives (n, k) of the distances, those by the rise of arches over wide steps that leave the crown there.
 
-        A segment that is all but a semicircle can lose its foot to the wall without a change of first order.
+        A segment that is all but a semicircle can lose its foot to the wall without a change of first order. A dome's
+        arch stands high above the springing: a step that leaves its crown would move all that is below it.
         """
         out, vault, pose = solution.jacobian.copy(), solution.placed.vault, solution.placed.pose
         values, parameters = vault.values(), {p.name: p for p in vault.parameters()}

@@ -196,8 +196,8 @@ class FittedVault:
     @property
     def arches(self) -> dict[str, str]:
         """What is known of each arch's kind, in words: "semicircular or elliptical"."""
-        arches = self.vault.profiles.items()
-        return {name: " or ".join(said(self.odds.get(name, {arch.id: 1.0}))) for name, arch in arches}
+        kinds = self.vault.kinds.items()
+        return {name: " or ".join(said(self.odds.get(name, {kind: 1.0}))) for name, kind in kinds}
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, Any]:
         """What a notebook shows."""

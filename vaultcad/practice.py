@@ -18,7 +18,6 @@ Array = NDArray[np.float64]
 KEPT = 0.8  # how often a constraint holds that seldom fails; of the others every second does
 ALIKE = 2.0  # by so much likelier are arches of one kind in both directions
 KNOWN = {"x": 1.0, "y": 1.0, "z": 3.0, "yaw": 0.1}  # m, rad; standard deviation of the pose beforehand
-
 HELD = 1e12  # inverse variance of a part of the pose that a user fixed
 
 

@@ -10,7 +10,7 @@ from math import exp, inf, log
 import numpy as np
 from numpy.typing import NDArray
 
-from families import FAMILIES, PROFILES, Profile, Vault
+from families import FAMILIES, PROFILES, Vault
 from families.constraints import Constraint
 from families.profiles import as_kind
 from vaultcad.errors import NoVaultError
@@ -156,9 +156,9 @@ class _Judge:
 
     def best_profiles(self, best: Hypothesis) -> Hypothesis:
         """With each kind of profile in place of its own, place by place."""
-        for name in [name for name in vars(best.vault) if isinstance(getattr(best.vault, name), Profile)]:
+        for name in best.vault.profiles:
             placed = best.solution.placed
-            old = getattr(placed.vault, name)
+            old = placed.vault.profiles[name]
             for kind in PROFILES:
                 new = None if type(old) is kind else as_kind(kind, old)
                 if new is None:

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.crs import of_wkt
-from segmentation.errors import ReadError
+from segmentation.errors import COPY_AGAIN, ReadError
 from segmentation.io.chunk import SIZE, Chunk
-from segmentation.io.e57_check import WAY_OUT, check_e57
+from segmentation.io.e57_check import check_e57
 from segmentation.io.facts import Facts
 from segmentation.io.ranges import TOP
 
@@ -164,4 +164,4 @@ def _numbers(node: Any, child: str, names: str, default: list[float]) -> list[fl
 
 
 def _damaged(path: Path, error: Exception) -> ReadError:
-    return ReadError(path, f"is no whole E57 file ({str(error).splitlines()[0]})", WAY_OUT)
+    return ReadError(path, f"is no whole E57 file ({str(error).splitlines()[0]})", COPY_AGAIN)

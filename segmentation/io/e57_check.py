@@ -11,7 +11,7 @@ import struct
 from pathlib import Path
 from xml.parsers import expat
 
-from segmentation.errors import ReadError
+from segmentation.errors import COPY_AGAIN, ReadError
 
 HEADER = struct.Struct("<8sIIQQQQ")  # signature, version, length of the file, place and length of the XML, page
 PAGE, CHECKSUM = 1024, 4  # bytes of a page, and of the checksum at its end; no other size is read
@@ -20,7 +20,6 @@ DEEPEST = 64  # elements within each other; the standard needs 8
 ENCODINGS = ("utf-8", "utf8", "us-ascii", "ascii")
 HARMLESS = (b"<!--", b"<![CDATA[")  # all else that begins like this declares something
 LOCATIONS = ("schemaLocation", "noNamespaceSchemaLocation")  # attributes that name a schema to be fetched
-WAY_OUT = "copy it again from where it comes from, or export the scan again"
 
 
 def check_e57(path: Path) -> None:
@@ -31,7 +30,7 @@ def check_e57(path: Path) -> None:
     """
     xml = _xml(path)
     if b"\0" in xml or not xml.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
-        raise ReadError(path, "is no E57 file: its XML is not in UTF-8", WAY_OUT)
+        raise ReadError(path, "is no E57 file: its XML is not in UTF-8", COPY_AGAIN)
     at = xml.find(b"<!")
     while at >= 0:
         if not xml.startswith(HARMLESS, at):
@@ -46,16 +45,16 @@ def _xml(path: Path) -> bytes:
     with path.open("rb") as file:
         head = file.read(HEADER.size)
         if len(head) < HEADER.size:
-            raise ReadError(path, "is no whole E57 file (it ends within its header)", WAY_OUT)
+            raise ReadError(path, "is no whole E57 file (it ends within its header)", COPY_AGAIN)
         signature, _, _, length, at, count, page = HEADER.unpack(head)
         if signature != b"ASTM-E57" or page != PAGE:
-            raise ReadError(path, f"is no E57 file that can be read (pages of {page} bytes, not {PAGE})", WAY_OUT)
+            raise ReadError(path, f"is no E57 file that can be read (pages of {page} bytes, not {PAGE})", COPY_AGAIN)
         if length != size:
-            raise ReadError(path, f"is no whole E57 file ({size} bytes where its header says {length})", WAY_OUT)
+            raise ReadError(path, f"is no whole E57 file ({size} bytes where its header says {length})", COPY_AGAIN)
         if count > LONGEST:
-            raise ReadError(path, f"its XML is {count} bytes long, more than {LONGEST}", WAY_OUT)
+            raise ReadError(path, f"its XML is {count} bytes long, more than {LONGEST}", COPY_AGAIN)
         if not HEADER.size <= at < size or at % PAGE > PAGE - CHECKSUM or count > size:
-            raise ReadError(path, "is no whole E57 file (its XML lies outside)", WAY_OUT)
+            raise ReadError(path, "is no whole E57 file (its XML lies outside)", COPY_AGAIN)
         first = at // PAGE
         pages = (at % PAGE + count) // (PAGE - CHECKSUM) + 1
         file.seek(first * PAGE)
@@ -63,7 +62,7 @@ def _xml(path: Path) -> bytes:
     logical = b"".join(raw[k : k + PAGE - CHECKSUM] for k in range(0, len(raw), PAGE))
     xml = logical[at % PAGE :][:count]
     if len(xml) < count:
-        raise ReadError(path, "is no whole E57 file (its XML is cut off)", WAY_OUT)
+        raise ReadError(path, "is no whole E57 file (its XML is cut off)", COPY_AGAIN)
     return xml
 
 
@@ -77,7 +76,7 @@ def _parsed(path: Path, xml: bytes) -> None:
         if any(name.rsplit(":", 1)[-1] in LOCATIONS for name in attributes):
             raise _unsafe(path)
         if depth > DEEPEST:
-            raise ReadError(path, f"its XML has more than {DEEPEST} elements within each other", WAY_OUT)
+            raise ReadError(path, f"its XML has more than {DEEPEST} elements within each other", COPY_AGAIN)
 
     def closed(name: str) -> None:
         nonlocal depth
@@ -85,7 +84,7 @@ def _parsed(path: Path, xml: bytes) -> None:
 
     def declared(version: str, encoding: str | None, standalone: int) -> None:
         if encoding is not None and encoding.lower() not in ENCODINGS:
-            raise ReadError(path, f"its XML is in {encoding!r}, not in UTF-8", WAY_OUT)
+            raise ReadError(path, f"its XML is in {encoding!r}, not in UTF-8", COPY_AGAIN)
 
     def refused(*_: object) -> None:
         raise _unsafe(path)
@@ -96,10 +95,10 @@ def _parsed(path: Path, xml: bytes) -> None:
     try:
         parser.Parse(xml, True)
     except expat.ExpatError as error:
-        raise ReadError(path, f"is no whole E57 file (its XML: {error})", WAY_OUT) from None
+        raise ReadError(path, f"is no whole E57 file (its XML: {error})", COPY_AGAIN) from None
 
 
 def _unsafe(path: Path) -> ReadError:
     return ReadError(
-        path, "its XML declares a document type, entities or a schema, which no E57 file needs: not opened", WAY_OUT
+        path, "its XML declares a document type, entities or a schema, which no E57 file needs: not opened", COPY_AGAIN
     )

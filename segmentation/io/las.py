@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.crs import Crs, of_geokeys, of_wkt
-from segmentation.errors import ReadError
+from segmentation.errors import COPY_AGAIN, ReadError
 from segmentation.io.chunk import SIZE, Chunk
 from segmentation.io.facts import Facts
-from segmentation.io.las_check import WAY_OUT, Kept, check_las
+from segmentation.io.las_check import Kept, check_las
 from segmentation.io.laz_apart import ApartReader, DecoderError
 
 NORMALS = ("NormalX", "NormalY", "NormalZ")
@@ -31,8 +31,8 @@ def read_las(path: Path, facts: Facts) -> Iterator[Chunk]:
     Raises ReadError if the file is damaged or holds fewer points than its header promises. LAZ has no checksums, so
     points are compared with the box and the counts of its header, and what differs is told.
     """
-    kept = Kept(check_las(path))
     with open_las(path, needed=_needed) as reader:
+        kept = Kept(reader.header)
         facts.declare(_crs(reader, facts))
         total = reader.header.point_count
         done = 0
@@ -41,7 +41,7 @@ def read_las(path: Path, facts: Facts) -> Iterator[Chunk]:
             chunk = _chunk(points, reader.header, done / total)
             kept.count(chunk.xyz, np.asarray(points["return_number"]))
             yield chunk
-        broken = kept.broken(reader.header.scales)
+        broken = kept.broken()
         if broken:
             facts.tell("damaged", f"the file may be damaged: its header promises other points ({broken})")
 
@@ -61,7 +61,7 @@ def open_las(path: Path, needed: Callable[[Any], Any] | None = None) -> Iterator
     try:
         reader = laspy.open(path)
     except Exception as error:
-        raise ReadError(path, f"is no whole LAS or LAZ file ({error})", WAY_OUT) from error
+        raise ReadError(path, f"is no whole LAS or LAZ file ({error})", COPY_AGAIN) from error
     try:
         if reader.header.are_points_compressed:
             reader._point_source = _unpacked(path, reader.header, needed)
@@ -77,7 +77,7 @@ def _unpacked(path: Path, header: Any, needed: Callable[[Any], Any] | None) -> A
 
     record = next((vlr.record_data for vlr in header.vlrs if vlr.record_id == LASZIP), None)
     if not isinstance(record, bytes):
-        raise ReadError(path, "is compressed, but does not say how", WAY_OUT)
+        raise ReadError(path, "is compressed, but does not say how", COPY_AGAIN)
     parts = Part.all() if needed is None else needed(header)
     return ApartReader(path, header, record, [part.name for part in Part if part.name and parts.is_set(part)])
 
@@ -92,7 +92,7 @@ def las_points(path: Path, reader: Any) -> Iterator[Any]:
             yield points
     except DecoderError as error:
         wrong = f"is truncated or damaged: its header promises {total} points, which cannot be unpacked ({error})"
-        raise ReadError(path, wrong, WAY_OUT) from error
+        raise ReadError(path, wrong, COPY_AGAIN) from error
     except Exception as error:
         raise _truncated(path, total) from error
     if done < total:
@@ -167,4 +167,4 @@ def _columns(points: Any, names: tuple[str, ...]) -> NDArray[Any]:
 
 
 def _truncated(path: Path, total: int) -> ReadError:
-    return ReadError(path, f"is truncated or damaged: its header promises {total} points", WAY_OUT)
+    return ReadError(path, f"is truncated or damaged: its header promises {total} points", COPY_AGAIN)

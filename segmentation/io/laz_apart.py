@@ -15,7 +15,6 @@ from typing import IO, Any
 MEMORY = 2 << 30  # bytes that the process may have
 SECONDS, RATE = 10, 1 << 19  # s of processor time that it may take, and bytes of the file for one more
 PIPE = 1 << 20  # bytes between the two
-SET_PIPE_SIZE = 1031  # Linux: fcntl.F_SETPIPE_SZ, which Python names from 3.10 on
 
 
 class DecoderError(Exception):
@@ -107,7 +106,7 @@ class ApartReader:
             import fcntl
 
             with suppress(OSError):  # more than this user may have
-                fcntl.fcntl(self._process.stdout.fileno(), SET_PIPE_SIZE, PIPE)
+                fcntl.fcntl(self._process.stdout.fileno(), fcntl.F_SETPIPE_SZ, PIPE)
 
     def _why(self) -> str:
         """Why the process ended."""

@@ -39,7 +39,6 @@ def families(
 
 
 def _show_family(cls: Any) -> None:
-    from families import Profile
     from families.parameters import derived_declarations
     from vaultcad.demands import constraints_of
 
@@ -48,9 +47,8 @@ def _show_family(cls: Any) -> None:
     for code, names in cls.aliases.items():
         typer.echo(f"  {LANGUAGES[code]}: {', '.join(names)}")
     typer.echo(f"  components: {', '.join(vault.components)}")
-    for name, value in vars(vault).items():
-        if isinstance(value, Profile):
-            typer.echo(f"  {name}: {value.id}, or another of the profiles")
+    for name, kind in vault.kinds.items():
+        typer.echo(f"  {name}: {kind}, or another of the profiles")
     values = vault.values()
     rows = [(p.name, shown(values[p.name], p.range.unit), span(p.range), p.range.meaning) for p in vault.parameters()]
     show_table(("parameter", "default", "range", "meaning"), rows, numbers=[1])

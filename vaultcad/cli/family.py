@@ -88,7 +88,7 @@ def vault_of(cls: type[Vault], declared: Mapping[str, Any]) -> Vault:
 
 
 def _profile_fields(vault: Vault) -> list[str]:
-    return [name for name, value in vars(vault).items() if isinstance(value, Profile)]
+    return list(vault.profiles)
 
 
 def _profile_parameters(field: str) -> dict[str, dict[str, Parameter]]:

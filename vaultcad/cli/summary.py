@@ -8,7 +8,7 @@ from pathlib import Path
 import typer
 
 from vaultcad.cli.tables import show_table
-from vaultcad.model import FLAGS, Estimate, FittedVault, Model
+from vaultcad.model import FLAGS, Estimate, FittedVault, Model, said
 
 
 def show_summary(model: Model, out: Path) -> None:
@@ -25,7 +25,7 @@ def _rows(fitted: FittedVault, up: float) -> Iterator[tuple[str, str]]:
     if others:
         yield "or else", others
     for name, kinds in fitted.arches.items():
-        yield name, kinds + _odds(fitted.odds.get(name, {}), kinds)
+        yield name, kinds + _odds(fitted.odds.get(name, {}))
     spread = {} if fitted.covariance is None else fitted.covariance.stds()
     yield "springing", f"at {_length(fitted.pose.z + up, spread.get('z'))}"
     for name, estimate in fitted.parameters.items():
@@ -49,9 +49,9 @@ def _rows(fitted: FittedVault, up: float) -> Iterator[tuple[str, str]]:
         yield "note", "the fit did not settle; look at the report before you use it"
 
 
-def _odds(odds: Mapping[str, float], kinds: str) -> str:
+def _odds(odds: Mapping[str, float]) -> str:
     """How likely each of the kinds that are said is."""
-    told = ", ".join(f"{odds[kind]:.0%}" for kind in kinds.split(" or ") if kind in odds)
+    told = ", ".join(f"{odds[kind]:.0%}" for kind in said(odds))
     return f" ({told})" if told else ""
 
 

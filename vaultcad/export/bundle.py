@@ -149,7 +149,7 @@ def _into_place(part: Path, out: Path) -> None:
     if not out.exists():
         part.rename(out)
         return
-    for name in (REPORT, REVIEW, *WRITERS):
+    for name in (REPORT, *({REVIEW, *WRITERS} - {path.name for path in part.iterdir()})):
         (out / name).unlink(missing_ok=True)
     for path in sorted(part.iterdir(), key=lambda p: (p.name == REPORT, p.name)):
         path.replace(out / path.name)

@@ -94,7 +94,7 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
             **_pose_std(fitted.covariance),
         },
         "corners": _corners(fitted, origin),
-        "profiles": {name: arch.id for name, arch in fitted.vault.profiles.items()},
+        "profiles": fitted.vault.kinds,
         "profile_odds": {
             name: {kind: _number(chance) for kind, chance in odds.items()} for name, odds in fitted.odds.items()
         },

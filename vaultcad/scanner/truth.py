@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault, family, profile
-from families.profiles import Profile
 from vaultcad.scanner.settings import ScannerSettings
 
 if TYPE_CHECKING:
@@ -30,13 +29,12 @@ def case(
     sizes that follow [m], `components` the names of the labels 1, 2, ...; `pose` holds the middle of the plan on the
     springing in file coordinates [m] and the yaw of the x axis. `stations` are as reported, in file coordinates.
     """
-    profiles = {name: value.id for name, value in vars(vault).items() if isinstance(value, Profile)}
     x, y, floor = settings.origin
     return {
         "schema": SCHEMA,
         "family": vault.id,
         "parameters": vault.values(),
-        "profiles": profiles,
+        "profiles": vault.kinds,
         "derived": vault.derived_values(),
         "components": list(vault.components),
         "pose": {"origin": [x, y, floor + settings.wall_height], "yaw_deg": degrees(settings.yaw)},

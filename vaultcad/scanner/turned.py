@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import pi
 
-from families import Dome, Groin, Mirror, Profile, Sail, Trough, Vault
+from families import Dome, Groin, Mirror, Sail, Trough, Vault
 
 ALIKE = (Sail, Groin, Mirror)  # a quarter turn changes their x and y
 ROUND = (Dome,)  # and nothing in these
@@ -21,7 +21,7 @@ def turned(vault: Vault, quarter: int) -> tuple[dict[str, float], dict[str, str]
     None if no vault of the family is the same turned like that.
     """
     sizes = {**vault.values(), **vault.derived_values()}
-    profiles = {name: value.id for name, value in vars(vault).items() if isinstance(value, Profile)}
+    profiles = vault.kinds
     if quarter % 2 and not isinstance(vault, ALIKE + ROUND):
         return None
     if quarter % 2 and isinstance(vault, ALIKE):

@@ -67,24 +67,17 @@ def vault_of(family: str, profiles: Mapping[str, str], parameters: Mapping[str, 
     Raises:
         ValueError: an unknown name, or a value outside its range.
     """
-    from families import Profile, profile
     from families import family as named
+    from families import profile
 
     vault = named(family)()
-    known = [name for name, value in vars(vault).items() if isinstance(value, Profile)]
+    known = vault.kinds
     for name, kind in profiles.items():
         if name not in known:
             raise ValueError(f"a {vault.title} has no profile {name!r}; it has {', '.join(known) or 'none'}")
-        if getattr(vault, name).id != kind:
+        if known[name] != kind:
             vault = vault.with_arches({name: profile(kind)()})
     return vault.replaced(parameters)
-
-
-def profiles_of(vault: Vault) -> dict[str, str]:
-    """Field -> id of each profile of a vault."""
-    from families import Profile
-
-    return {name: value.id for name, value in vars(vault).items() if isinstance(value, Profile)}
 
 
 def _choice(vault: Vault, name: str, default: Profile) -> dict[str, Any]:

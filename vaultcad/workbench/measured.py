@@ -8,7 +8,7 @@ from math import isfinite, nan
 from typing import Any
 
 from vaultcad.model import Component, Deviation, Estimate, FittedVault, Pose
-from vaultcad.workbench.declarations import profiles_of, vault_of
+from vaultcad.workbench.declarations import vault_of
 
 KEPT = ("pose", "confidence", "alternatives", "components", "deviation", "coverage", "converged", "as_built", "odds")
 UNMEASURED = Deviation(nan, nan, nan, nan, {}, "")
@@ -21,7 +21,7 @@ def told(fitted: FittedVault) -> dict[str, Any]:
         {
             "family": fitted.vault.id,
             "title": fitted.vault.title,
-            "profiles": profiles_of(fitted.vault),
+            "profiles": fitted.vault.kinds,
             "parameters": fitted.vault.values(),
             "estimates": {name: asdict(estimate) for name, estimate in fitted.parameters.items()},
             **{name: whole[name] for name in KEPT},

@@ -21,7 +21,7 @@ from OCP.TopoDS import TopoDS_Shape
 from families import FAMILIES, brep, family
 from families.shapes import volume
 from segmentation import write_cloud
-from vaultcad.workbench.declarations import declared, profiles_of, vault_of
+from vaultcad.workbench.declarations import declared, vault_of
 from vaultcad.workbench.install import ADD_ON
 
 ROOM = Path(__file__).parents[3] / "examples" / "room.laz"
@@ -75,7 +75,7 @@ def test_every_vault_is_written_with_its_own_thickness_and_label(worker: Any, tm
     vaults = []
     for k, thickness in enumerate((0.4, 0.1, 0.0)):
         vault = family("barrel")()
-        told = {"family": "barrel", "profiles": profiles_of(vault), "parameters": vault.values()}
+        told = {"family": "barrel", "profiles": vault.kinds, "parameters": vault.values()}
         pose = {"x": 20.0 * k, "y": 0.0, "z": 0.0, "yaw": 0.0}
         vaults.append({**told, "pose": pose, "thickness": thickness, "label": f"Nave {k}"})
     worker.ask("export", path=str(tmp_path / "a.ifc"), vaults=vaults)
@@ -107,7 +107,7 @@ def test_what_is_declared_makes_the_vault(name: str) -> None:
             numbers[parameter["name"]] = parameter["default"]
             assert parameter["low"] <= parameter["default"] <= parameter["high"]
     assert vault_of(name, profiles, numbers) == vault
-    assert profiles_of(vault) == profiles
+    assert vault.kinds == profiles
     assert {size["name"] for size in told["sizes"]} == set(vault.derived_values())
 
 
