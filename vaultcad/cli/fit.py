@@ -151,5 +151,7 @@ def _fixed(texts: list[str]) -> dict[str, float | str]:
         try:
             found[name] = float(value) * (pi / 180 if name == "yaw" else 1)
         except ValueError:
-            raise InputError(f"--fix {text}: is no name with a number; write it like --fix rise=2.5, or --fix profile=pointed") from None
+            raise InputError(
+                f"--fix {text}: is no name with a number; write it like --fix rise=2.5, or --fix profile=pointed"
+            ) from None
     return found
