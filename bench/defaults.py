@@ -60,7 +60,7 @@ def one(asked: tuple[str, int]) -> Outcome:
         model = fit_scan(Cloud(virtual.xyz.astype(np.float32))).model
         with TemporaryDirectory() as folder:
             out = Path(folder) / "out"
-            drawn = write_all(model, out, segments=Path.touch)
+            drawn = write_all(model, out, segments=Path.touch).model
             missing = {*WRITERS, SEGMENTS} - {path.name for path in out.iterdir()}
     except (VaultcadError, ValueError) as error:
         return Outcome(name, seed, str(error))

@@ -14,6 +14,7 @@ from vaultcad.errors import ExportError
 from vaultcad.export import buildable as module
 from vaultcad.export import geometry
 from vaultcad.export.bundle import SEGMENTS, WRITERS, write_all
+from vaultcad.export.folder import MARKER
 from vaultcad.export.step import write_step
 
 IDS = tuple(cls.id for cls in FAMILIES)
@@ -83,11 +84,11 @@ def broken(monkeypatch):
 @pytest.mark.parametrize("family", IDS)
 def test_a_vault_that_cannot_be_built_at_all_leaves_all_but_the_solid(make_model, broken, tmp_path, family) -> None:
     model = make_model(family)
-    drawn = write_all(model, tmp_path / "out", segments=lambda path: path.write_bytes(b""))
+    drawn = write_all(model, tmp_path / "out", segments=lambda path: path.write_bytes(b"")).model
     (note,) = drawn.notes
     assert note.code == "unbuilt"
     assert f"cannot build this {model.vaults[0].vault.title} with walls of 0.15 m" in note.text
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {*WRITERS, SEGMENTS} - {"model.step"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {*WRITERS, SEGMENTS, MARKER} - {"model.step"}
     assert "cannot build" in (tmp_path / "out" / "report.html").read_text()
     scene = trimesh.load(tmp_path / "out" / "model.glb")
     assert set(model.vaults[0].vault.components) <= set(scene.geometry)

@@ -9,6 +9,7 @@ import pytest
 from vaultcad.errors import ExportError
 from vaultcad.export import bundle
 from vaultcad.export.bundle import write_all
+from vaultcad.export.folder import MARKER
 
 NAMES = {"report.json", "report.html", "model.step", "model.ifc", "model.glb", "model.wld", "segments.laz"}
 
@@ -34,7 +35,8 @@ def model(make_model):
 def test_all_files_are_there_and_nothing_else(model, tmp_path):
     told = []
     write_all(model, tmp_path / "deep" / "out", segments=segments, progress=told.append)
-    assert {p.name for p in (tmp_path / "deep" / "out").iterdir()} == NAMES == set(told)
+    assert {p.name for p in (tmp_path / "deep" / "out").iterdir()} == NAMES | {MARKER}
+    assert set(told) == NAMES
     assert [p.name for p in (tmp_path / "deep").iterdir()] == ["out"]
 
 
@@ -57,14 +59,14 @@ def test_an_earlier_result_is_replaced_and_what_else_is_there_stays(model, make_
     (tmp_path / "out" / "notes.txt").write_text("mine")
     write_all(make_model("barrel", points=7), tmp_path / "out", segments=segments)
     assert json.loads((tmp_path / "out" / "report.json").read_text())["scan"]["points"] == 7
-    assert {p.name for p in (tmp_path / "out").iterdir()} == NAMES | {"notes.txt"}
+    assert {p.name for p in (tmp_path / "out").iterdir()} == NAMES | {MARKER, "notes.txt"}
     assert [p.name for p in tmp_path.iterdir()] == ["out"]
 
 
 def test_an_empty_folder_is_filled(model, tmp_path):
     (tmp_path / "out").mkdir()
     write_all(model, tmp_path / "out", segments=segments)
-    assert {p.name for p in (tmp_path / "out").iterdir()} == NAMES
+    assert {p.name for p in (tmp_path / "out").iterdir()} == NAMES | {MARKER}
 
 
 @pytest.mark.parametrize(

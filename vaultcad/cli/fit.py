@@ -58,6 +58,9 @@ def fit(
     correlations: Annotated[
         bool, typer.Option("--correlations", help="Tell the correlations of the fitted numbers in report.json.")
     ] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace an earlier result although a person has changed it since.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print report.json instead of the summary.")] = False,
 ) -> None:
     """Fit the vaults in a scan of rooms: STEP, IFC, GLB, labelled points, report.
@@ -67,7 +70,7 @@ def fit(
     from vaultcad.cli.summary import show_summary
     from vaultcad.demands import demand
 
-    check_folder(out, inputs=[scan])
+    check_folder(out, inputs=[scan], review=review, force=force)
     families = _families(family)
     fixed, freed = _fixed(fix or []), tuple(free or [])
     with refusing():
@@ -109,7 +112,7 @@ def fit(
             "vault": labels.vault,
             "deviation": labels.deviation,
         }
-        drawn = write_all(
+        written = write_all(
             result.model,
             out,
             segments=lambda path: write_labelled(scan, path, cloud, extra),
@@ -119,11 +122,14 @@ def fit(
             deviation=result.deviation,
             review=review,
             correlations=correlations,
+            force=force,
             progress=lambda name: bar.stage("writing", name),
         )
-    show_notes(drawn.notes)
+    show_notes(written.model.notes)
+    if written.kept is not None:
+        typer.echo(f"vaultcad: the earlier result had been changed meanwhile; it is kept as {written.kept}", err=True)
     if json:
-        typer.echo((out / "report.json").read_text(encoding="utf-8").rstrip())
+        typer.echo(written.report.rstrip())
     else:
         show_summary(result.model, out)
 

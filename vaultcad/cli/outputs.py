@@ -29,21 +29,24 @@ def check_file(out: Path, suffixes: Iterable[str], *, inputs: Iterable[Path] = (
     _check_writable(out, out.parent)
 
 
-def check_folder(out: Path, *, inputs: Iterable[Path] = ()) -> None:
-    """Whether a result can be put into that folder.
+def check_folder(out: Path, *, inputs: Iterable[Path] = (), review: bool = False, force: bool = False) -> None:
+    """Whether a result, with or without a review, can be put into that folder.
 
     Raises:
-        ExportError: a file is in the way, or a folder with something else than an earlier result.
+        ExportError: a file is in the way, or a folder with something else than an earlier result, or, without `force`,
+            with what would be lost.
         InputError: there is no place for it, or it would replace a file that is read.
     """
-    from vaultcad.export.bundle import SEGMENTS, WRITERS, check_target
+    from vaultcad.export.bundle import REVIEW, SEGMENTS, WRITERS
+    from vaultcad.export.folder import check_target
 
-    check_target(out)
+    names = [*WRITERS, SEGMENTS, *([REVIEW] if review else [])]
     for path in inputs:
-        if any((out / name).exists() and path.exists() and path.samefile(out / name) for name in (*WRITERS, SEGMENTS)):
+        if any((out / name).exists() and path.exists() and path.samefile(out / name) for name in names):
             raise InputError(f"{path}: would be replaced by the result; name another folder than {out}")
-    above = out if out.is_dir() else next(folder for folder in out.absolute().parents if folder.exists())
-    _check_writable(out, above)
+    check_target(out, names, force=force)
+    real = Path(os.path.realpath(out))
+    _check_writable(out, next(folder for folder in real.parents if folder.exists()))
 
 
 def _check_writable(out: Path, folder: Path) -> None:

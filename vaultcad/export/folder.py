@@ -1,0 +1,246 @@
+"""A result's folder, which changes as one thing: whole as it was, or whole as it is now.
+
+The new one is made beside it, under a name that nobody can foresee; then the two change places. What others have put
+into the folder goes along. A marker tells which files are ours, and by their sums whether a person has changed one.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Collection, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
+from hashlib import file_digest
+from pathlib import Path
+from secrets import token_hex
+
+from segmentation.io.whole import writing
+from segmentation.temporary import announce
+from vaultcad.errors import ExportError
+from vaultcad.export.exchange import SWAPPED, exchange, locked, settle, sync_folder
+
+MARKER = ".vaultcad.json"
+UNFINISHED = ".unfinished"  # in a folder that has never been a result's
+ENDING = ".part"  # of the names of such folders
+GONE = ".gone"  # before that ending, of those of which nothing is to be kept
+REPORT = "report.json"
+UNMARKED = (REPORT, "report.html", "model.step", "model.ifc", "model.glb", "model.wld", "segments.laz")
+"""What is ours in results from the time before the marker, which are known by their report."""
+Sums = dict[str, str | None]  # names of our files and their SHA-256; None where no marker tells it
+
+
+@dataclass
+class Place:
+    """Where a result is made. part: the folder to write to. kept: where an earlier one is that a person had changed."""
+
+    part: Path
+    kept: Path | None = None
+
+
+def check_target(out: Path, names: Collection[str], *, force: bool = False) -> None:
+    """See that a result of files with these names may take the place of `out`, before the work that leads to it.
+
+    Raises:
+        ExportError: something else is there, or, without `force`, what would be lost; names it and the way out.
+    """
+    if not out.exists():
+        return
+    if not out.is_dir():
+        raise ExportError(f"{out} is a file; name a folder for the result with -o")
+    real = _real(out)
+    if os.path.ismount(real) or _real(Path()).is_relative_to(real):
+        what = "where a disk is mounted" if os.path.ismount(real) else "the folder that you are in"
+        raise ExportError(f"{out} is {what} and cannot be replaced as a whole; name a folder in it, as {out}/result")
+    if _ours(real) is None and any(real.iterdir()):
+        raise ExportError(f"{out} holds other files and no earlier result; name a new or empty folder with -o")
+    lost = () if force else _lost(real, names)
+    if lost:
+        name, why = lost[0]
+        raise ExportError(f"{out / name} {why} and would be lost; name another folder with -o, or say --force")
+
+
+@contextmanager
+def replacing_folder(out: Path, *, force: bool = False) -> Iterator[Place]:
+    """A folder beside `out` to write to, which takes its place at the end; if the body raises, all is as it was.
+
+    Folders above it are made, and gone if the body raises. force: whether what a person has changed in an earlier
+    result is given up; else that one is kept, under another name.
+
+    Raises:
+        ExportError: no folder can be made there.
+        WriteError: the disk is full, or the system refuses for another reason.
+    """
+    out = _real(out)
+    made = [folder for folder in out.parents if not folder.exists()]
+    place = Place(out.with_name(f".{out.name}.{token_hex(8)}{ENDING}"))
+    done = False
+    try:
+        with ExitStack() as mine:
+            _make(place.part, out, made, mine)
+            yield place
+            with writing(out):
+                _mark(place.part)
+                settle(place.part)
+            with writing(out), locked(out.parent):
+                lost = () if force else _lost(out, [path.name for path in place.part.iterdir()])
+                _carry_along(out, place.part)
+                (place.part / UNFINISHED).unlink()
+                _take_place(place.part, out)
+                done = True
+                if lost:
+                    place.kept = _keep(place.part, out)
+        clear(out)
+    finally:
+        if not done:
+            _discard(place.part)
+            for folder in made:
+                with suppress(OSError):
+                    folder.rmdir()
+
+
+def clear(out: Path) -> None:
+    """Take away what processes that are dead left beside `out`; what others had put into a result goes back to it."""
+    out = _real(out)
+    if not out.parent.is_dir():
+        return
+    with locked(out.parent) as alone:
+        for part in sorted(out.parent.iterdir()) if alone else ():
+            if part.suffix == ENDING and target(part) == out and part.is_dir() and not part.is_symlink():
+                with locked(part, wait=False) as dead:
+                    if dead:
+                        _clear(part, out)
+
+
+def target(part: Path) -> Path:
+    """Whose place a folder was to take, by its name."""
+    return part.parent / part.stem.removesuffix(GONE).removesuffix(SWAPPED).rpartition(".")[0][1:]
+
+
+def _clear(part: Path, out: Path) -> None:
+    ours = _ours(part)
+    there = {path.name for path in part.iterdir()}
+    if UNFINISHED not in there and not part.stem.endswith(GONE):
+        if ours is not None and {*ours} <= there and not out.exists():
+            os.rename(part, out)  # the process died while they changed places
+            return
+        strange = there - {*(UNMARKED if ours is None else ours)}
+        if strange and (ours is None or not out.is_dir()):
+            return
+        for name in sorted(strange):
+            _give_back(part / name, out / name)
+    _discard(part)
+
+
+def _discard(part: Path) -> None:
+    """Remove a folder; its name says so first, for whoever finds the half of it."""
+    gone = part if part.stem.endswith(GONE) else part.with_name(f"{part.stem}{GONE}{ENDING}")
+    with suppress(OSError):
+        os.rename(part, gone)
+    shutil.rmtree(gone, ignore_errors=True)
+
+
+def _make(part: Path, out: Path, made: list[Path], locks: ExitStack) -> None:
+    """Make the folder that is written to, locked, and those above it, `made`, which come with the innermost first."""
+    try:
+        for folder in reversed(made):
+            announce(folder)
+            folder.mkdir(exist_ok=True)
+        clear(out)
+        announce(part)
+        with locked(out.parent):
+            part.mkdir()
+            (part / UNFINISHED).touch()
+            locks.enter_context(locked(part))
+        if out.exists():
+            part.chmod(out.stat().st_mode & 0o7777)
+    except OSError as error:
+        raise ExportError(f"{out} cannot be made ({error.strerror}); name another folder with -o") from error
+
+
+def _mark(part: Path) -> None:
+    sums = {path.name: _sum(path) for path in sorted(part.iterdir()) if path.name != UNFINISHED}
+    marker = {"about": "files of a result of vaultcad and their SHA-256", "files": sums}
+    (part / MARKER).write_text(json.dumps(marker, indent=1) + "\n", encoding="utf-8")
+
+
+def _sum(path: Path) -> str | None:
+    """None for what is no file."""
+    if not path.is_file() or path.is_symlink():
+        return None
+    with path.open("rb") as file:
+        return file_digest(file, "sha256").hexdigest()
+
+
+def _ours(folder: Path) -> Sums | None:
+    """Which files of a folder are ours; None if it is no result."""
+    with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
+        files = json.loads((folder / MARKER).read_text(encoding="utf-8"))["files"]
+        return {MARKER: None} | {str(name): str(told) for name, told in files.items()}
+    with suppress(OSError, ValueError, AttributeError):
+        if json.loads((folder / REPORT).read_text(encoding="utf-8")).get("schema") == 1:
+            return {name: None for name in UNMARKED if (folder / name).exists()}
+    return None
+
+
+def _lost(out: Path, names: Collection[str]) -> list[tuple[str, str]]:
+    """What would be lost if a result of these files took the place of `out`, each with the reason."""
+    ours = (_ours(out) or {}) if out.is_dir() else {}
+    changed = [n for n, told in ours.items() if told and os.path.lexists(out / n) and _sum(out / n) != told]
+    strange = [n for n in sorted({*names} - {*ours}) if os.path.lexists(out / n)]
+    return [(n, "was changed since it was written") for n in changed] + [
+        (n, "is not of the earlier result") for n in strange
+    ]
+
+
+def _carry_along(out: Path, part: Path) -> None:
+    """What others have put into `out` is in `part` too; their files are there once, under two names."""
+    if not out.is_dir():
+        return
+    settled = {*(_ours(out) or {}), *(path.name for path in part.iterdir())}
+    for path in sorted(out.iterdir()):
+        if path.name in settled:
+            continue
+        if path.is_dir() and not path.is_symlink():
+            shutil.copytree(path, part / path.name, symlinks=True, copy_function=_link)
+        else:
+            _link(path, part / path.name)
+
+
+def _link(path: str | Path, to: str | Path) -> None:
+    try:
+        os.link(path, to, follow_symlinks=False)
+    except OSError:  # a file system without, or a file of somebody else's
+        shutil.copy2(path, to, follow_symlinks=False)
+
+
+def _take_place(part: Path, out: Path) -> None:
+    """Afterwards `out` is what `part` was, and `part`, if there was one, what `out` was."""
+    if out.exists():
+        exchange(part, out)
+    else:
+        os.rename(part, out)
+    sync_folder(out.parent)
+
+
+def _give_back(path: Path, to: Path) -> None:
+    """Move what others have put into a folder that was replaced to the new one, but for what is there already."""
+    if path.is_dir() and not path.is_symlink() and to.is_dir():
+        for inner in sorted(path.iterdir()):
+            _give_back(inner, to / inner.name)
+    elif not os.path.lexists(to) or path.lstat().st_mtime_ns > to.lstat().st_mtime_ns:
+        os.replace(path, to)
+
+
+def _keep(part: Path, out: Path) -> Path:
+    """Put a result that a person has changed under a name of its own."""
+    number = 1
+    while os.path.lexists(kept := out.with_name(f"{out.name}-before-{number}")):
+        number += 1
+    os.rename(part, kept)
+    return kept
+
+
+def _real(out: Path) -> Path:
+    return Path(os.path.realpath(out))
