@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from segmentation.errors import WriteError
+from segmentation.temporary import announce
 
 LIBRARIES = ("lazrs", "laspy", "pye57")
 """What writes for us, and has exceptions of its own for a disk that is full."""
@@ -21,6 +22,7 @@ def replacing(path: Path) -> Iterator[Path]:
     If the body raises, it is removed and what was at `path` stays as it was. Raises WriteError, see `writing`.
     """
     beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    announce(beside)
     try:
         with writing(path):
             yield beside

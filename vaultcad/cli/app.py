@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -14,11 +15,15 @@ from typer.main import get_command
 
 from segmentation.errors import ReadError, WriteError
 from vaultcad.cli.errors import InputError
+from vaultcad.cli.supervise import StoppedError, supervised
 from vaultcad.errors import VaultcadError
 
 NAME = "vaultcad"
 DEBUG = "VAULTCAD_DEBUG"  # environment variable that lets exceptions through with their tracebacks
 WRONG, BUG, INTERRUPTED = 2, 1, 130
+HALTED = "interrupted; nothing half written is left"
+THIN = "thin the scan or crop it to one bay"
+REPORT = f"run again with {DEBUG}=1 and report what it prints"
 COMMANDS = {
     "fit": "Fit a vault to a scan: STEP, IFC, GLB, labelled points, report.",
     "segment": "Label the planes, spheres, cylinders and cones of a scan.",
@@ -65,11 +70,25 @@ def _program(
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the program with the given arguments, those of the process by default. Returns the exit code.
+    """Run the program with the given arguments; by default with those of this process, and the work in another one.
 
-    0: done. 1: the doctor found something, or an error of vaultcad's own. 2: wrong input. 130: interrupted.
+    Returns the exit code. 0: done. 1: the doctor found something, or an error of vaultcad's own. 2: wrong input, or not
+    enough memory. 130, 143, 129: stopped by Ctrl-C, a request to end, the terminal's end.
     """
-    given = list(sys.argv[1:] if arguments is None else arguments) or ["--help"]
+    if arguments is not None or os.environ.get(DEBUG):
+        return _run(list(sys.argv[1:] if arguments is None else arguments))
+    try:
+        return supervised(lambda: _run(sys.argv[1:]))
+    except StoppedError as stop:
+        if stop.asked:
+            return _complain(HALTED, stop.code)
+        if stop.signal == signal.SIGKILL:
+            return _complain(f"killed by the system, as it does when memory runs out; {THIN}", WRONG)
+        return _complain(f"error in vaultcad itself ({stop}); {REPORT}", BUG)
+
+
+def _run(arguments: Sequence[str]) -> int:
+    given = list(arguments) or ["--help"]
     try:
         code = get_command(app).main(args=given, prog_name=NAME, standalone_mode=False)
     except typer.TyperException as error:
@@ -79,14 +98,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         return _complain(_os_error(error), WRONG)
     except MemoryError:
-        return _complain("not enough memory; thin the scan or crop it to one bay", WRONG)
+        return _complain(f"not enough memory; {THIN}", WRONG)
     except Exception as error:
         if os.environ.get(DEBUG):
             raise
         what = f"{type(error).__name__}: {error}"
-        return _complain(f"error in vaultcad itself ({what}); run again with {DEBUG}=1 and report what it prints", BUG)
+        return _complain(f"error in vaultcad itself ({what}); {REPORT}", BUG)
     if code == INTERRUPTED:  # typer makes this of a KeyboardInterrupt
-        return _complain("interrupted; nothing was written", INTERRUPTED)
+        return _complain(HALTED, INTERRUPTED)
     return code or 0
 
 

@@ -93,7 +93,7 @@ def test_an_interrupt_ends_with_130_and_one_line(run, monkeypatch):
     monkeypatch.setattr(app, "import_module", interrupted)
     told = run("doctor")
     assert told.code == 130
-    assert told.err == "vaultcad: interrupted; nothing was written\n"
+    assert told.err == "vaultcad: interrupted; nothing half written is left\n"
 
 
 @pytest.mark.parametrize(
