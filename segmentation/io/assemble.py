@@ -28,6 +28,8 @@ FLOAT32_REACH = 800.0
 """Up to here [m] float32 rounds by 0.03 mm at most."""
 HUGE = 1e12
 """Coordinates beyond this are no lengths on earth in any unit; they are taken for infinite."""
+LARGE = 1e9
+"""Beside coordinates beyond this, those beyond HUGE are no beams without an answer but points of the scan."""
 MINIMUM = 4
 """With fewer points there is neither a scan nor any shape."""
 
@@ -52,8 +54,11 @@ def assemble(
     taken: list[Mask] = []  # which of those take part
     ends: list[NDArray[np.float64]] = []  # corners of those that do
     marked: Counter[str] = Counter()
+    reach = 0.0  # of finite coordinates
     for chunk in chunks:
         mask, part, used, corners = _sorted(chunk, marked, keep_marked)
+        if not mask.all():
+            reach = max(reach, float(np.abs(np.where(np.isfinite(chunk.xyz), chunk.xyz, 0.0)).max(initial=0)))
         points.append(mask)
         taken.append(used)
         parts.append(part)
@@ -61,6 +66,7 @@ def assemble(
         if progress is not None:
             progress(chunk.done)
     n = sum(int(used.sum()) for used in taken)
+    _check_place(path, reach, ends)
     _check_count(path, total=sum(map(len, points)), valid=sum(len(p.xyz) for p in parts), unmarked=n)
 
     corners = box_of(ends)
@@ -192,6 +198,14 @@ def _shifted(
         xyz[at : at + len(part)] = rows - origin if origin.any() else rows
         at += len(part)
     return xyz
+
+
+def _check_place(path: Path, reach: float, ends: list[NDArray[np.float64]]) -> None:
+    """See that coordinates, finite ones of which reach so far, and the valid ones to these corners, are on earth."""
+    corners = box_of(ends)
+    if reach >= HUGE and not (np.abs(corners) < LARGE).all():
+        wrong = f"has coordinates up to {reach:.2g}, which are no lengths on earth"
+        raise ReadError(path, wrong, "export it again in metres, or with a shift taken off the coordinates")
 
 
 def _check_count(path: Path, *, total: int, valid: int, unmarked: int) -> None:

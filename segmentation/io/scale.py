@@ -119,11 +119,15 @@ def _check_size(
     x, y, z = (float(v) for v in np.ptp(np.quantile(points, BULK, axis=0), axis=0))
     if number < FEWEST or max(x, y, z) == 0:
         return
-    spacing = _spacing(points, number)
     size = f"{x:,.4g} × {y:,.4g} × {z:,.4g} m"
+    small = bool(np.linalg.norm((x, y, z)) < SMALLEST)
+    spacing = 0.0 if small else _spacing(points, number)
     if z > TALLEST or max(x, y) > WIDEST:
+        gap = _gap(points)
+        if gap:
+            raise ReadError(path, f"is of parts {gap:,.0f} m apart", "crop it to one building")
         wrong = f"would be {size} large"
-    elif np.linalg.norm((x, y, z)) < SMALLEST:
+    elif small:
         wrong = f"would be {size} small"
     elif spacing > SPARSEST:
         wrong = f"would be {size} large, with {spacing:.2g} m between its points"
@@ -141,6 +145,15 @@ def _check_size(
     source = f"as stated by {facts.stated_by}" if facts.unit else "which is assumed, for the file states none"
     way_out = f"say --unit {', or '.join(likely)}" if likely else WAY_OUT
     raise ReadError(path, f"in {_plural(float(scale[0]))}, {source}, the scan {wrong}", way_out + "; --unit m if it is")
+
+
+def _gap(points: NDArray[np.float64]) -> float:
+    """The gap [m] between two parts of the points (n, 3) that alone are no larger than a building; 0 if none is."""
+    for values, most in zip(np.sort(points, axis=0).T, (WIDEST, WIDEST, TALLEST), strict=True):
+        extent, gap = float(values[-1] - values[0]), float(np.diff(values).max())
+        if extent > most and extent - gap <= most:
+            return gap
+    return 0.0
 
 
 def _spacing(points: NDArray[np.float64], number: int) -> float:

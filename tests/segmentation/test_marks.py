@@ -254,3 +254,21 @@ def test_no_grid_is_larger_than_its_points_deserve():
 
     with pytest.raises(NoVaultError, match=r"scattered over .* crop the scan"):
         Ceiling.of(thin_scan(Cloud()))
+
+
+@pytest.mark.parametrize("place", [1e12, 1e15, -1e16, 1e150])
+def test_coordinates_that_are_no_place_on_earth_are_refused(tmp_path, place):
+    """At 1e15 double precision has steps of 12 cm."""
+    write_cloud(tmp_path / "a.ply", shell() + [place, 0, 0] - 2.5)
+    with pytest.raises(ReadError, match=r"has coordinates up to 1e\+.*, which are no lengths on earth; .* a shift"):
+        read(tmp_path / "a.ply")
+
+
+@pytest.mark.parametrize("far", [1e9, 1e20, 1e300])
+def test_a_few_points_that_are_nowhere_do_no_harm(tmp_path, far):
+    xyz = shell()
+    xyz[:5] = far * np.random.default_rng(0).normal(size=(5, 3))
+    write_cloud(tmp_path / "a.ply", xyz)
+    cloud = read(tmp_path / "a.ply")
+    assert len(cloud) == len(xyz) - 5
+    assert any(note.code in ("specks", "dropped") and note.text.startswith("5 points") for note in cloud.notes)

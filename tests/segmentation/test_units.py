@@ -204,6 +204,20 @@ def test_a_scan_that_is_millimetres_large_is_none(tmp_path):
         read(tmp_path / "a.ply")
 
 
+@pytest.mark.parametrize("apart", [(5000, 0, 0), (3000, 4000, 0), (0, 0, 300), (1e5, 0, 0)])
+def test_two_rooms_far_apart_are_no_scan_of_one_building(tmp_path, apart):
+    write_cloud(tmp_path / "a.ply", np.concatenate([room(), room() + apart]))
+    with pytest.raises(ReadError, match=r"is of parts [0-9,]+ m apart; crop it to one building"):
+        read(tmp_path / "a.ply")
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-8])
+def test_a_scan_of_no_size_is_none(tmp_path, size):
+    write_cloud(tmp_path / "a.ply", size * room())
+    with pytest.raises(ReadError, match="m small"):
+        read(tmp_path / "a.ply")
+
+
 def test_a_large_building_is_no_room_in_centimetres(tmp_path):
     write_cloud(tmp_path / "a.ply", room(60_000, (130.0, 64.0, 48.0)))
     assert "metre" in notes(read(tmp_path / "a.ply"))["unit-assumed"]
