@@ -179,10 +179,12 @@ class Vault(Parametric):
 
 def _in_threads(work: Callable[[NDArray[np.float64]], Found], points: NDArray[np.float64]) -> list[Found]:
     """The results of compiled work, which lets other threads run, on runs of `CHUNK` points in their order."""
-    if len(points) <= CHUNK:
-        return [work(points)]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(work, (points[k : k + CHUNK] for k in range(0, len(points), CHUNK))))
+    # The first alone: numba loads what it knows of types then, which must not happen while another thread looks it up.
+    found = [work(points[:CHUNK])]
+    if len(points) > CHUNK:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            found += pool.map(work, (points[k : k + CHUNK] for k in range(CHUNK, len(points), CHUNK)))
+    return found
 
 
 def _points(xyz: NDArray[np.floating]) -> NDArray[np.float64]:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +12,7 @@ from numpy.typing import NDArray
 from segmentation.primitives_numeric import gradient, gradients
 from segmentation.ransac_cloud import WorkingCloud
 from segmentation.ransac_search import Shapes, gaps
+from segmentation.threads import threads
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -150,7 +149,7 @@ def label_points(
         )  # fmt: skip
         return count, square
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with threads() as pool:
         parts = list(pool.map(work, range(0, len(xyz), CHUNK)))
     none = np.zeros(width, dtype=np.int64), np.zeros(width)
     return labels, sum((part[0] for part in parts), none[0]), sum((part[1] for part in parts), none[1])

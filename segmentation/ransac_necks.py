@@ -6,9 +6,7 @@ lead from one region to the other, in a point they do not.
 """
 
 import math
-import os
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +18,7 @@ from segmentation.labelling import BITS, CHUNK, index_keys, neighbours, slot_of
 from segmentation.primitives_numeric import gradients
 from segmentation.ransac_cloud import WorkingCloud
 from segmentation.ransac_search import Floats, Ints, Shapes
+from segmentation.threads import threads
 
 Mask = NDArray[np.bool_]
 
@@ -120,7 +119,7 @@ class Necks:
             part = slice(start, start + CHUNK)
             _find_points(self.xyz[part], 1 / size, base, span, keys, table, place[part])
 
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
+        with threads() as pool:
             list(pool.map(work, starts))
         point = np.flatnonzero(place >= 0)
         return point, place[point].astype(np.int64)

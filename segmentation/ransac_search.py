@@ -8,7 +8,6 @@ the order of what each adds. Source: Schnabel, Wahl and Klein 2007; local optimi
 import math
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -20,6 +19,7 @@ from segmentation.primitives_sample import MINIMAL_SETS
 from segmentation.ransac_cloud import WorkingCloud
 from segmentation.refine import Samples, least_squares
 from segmentation.settings import Search
+from segmentation.threads import threads
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -60,7 +60,7 @@ def _shared(points: int, size: int, work: Callable[[int, int], None]) -> None:
         work(0, points)
         return
     edges = [points * i // cores for i in range(cores + 1)]
-    with ThreadPoolExecutor(cores) as pool:
+    with threads() as pool:
         list(pool.map(work, edges[:-1], edges[1:]))
 
 

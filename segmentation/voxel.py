@@ -1,8 +1,6 @@
 """Thinning: the mean of the points in each cell of a cubic grid."""
 
-import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from segmentation.cloud import Floats
+from segmentation.threads import threads
 
 BLOCKS = 8
 """Runs of points that are summed apart. Fixed, so that the sums round alike on any number of cores."""
@@ -67,7 +66,7 @@ def thin(xyz: Floats, size: float, *, inverse: bool = False) -> Thinned:
     edges = np.linspace(0, len(xyz), BLOCKS + 1).astype(np.int64)
     cells = np.empty(len(xyz) if inverse else 0, np.int32)
     scale = 1 / size
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with threads() as pool:
 
         def in_blocks(work: Callable[[int], Any]) -> list[Any]:
             return list(pool.map(work, range(BLOCKS)))

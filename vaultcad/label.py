@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from families import kernel
+from segmentation.threads import threads
 from vaultcad.solve import Placed
 
 CHUNK = 1 << 17  # points that a thread takes at once
@@ -42,7 +41,7 @@ def label(xyz: NDArray[np.floating], vaults: Sequence[tuple[Placed, float]]) -> 
         for number, (placed, tolerance) in enumerate(vaults, 1):
             _label(xyz[part], placed, tolerance, number, labels, start)
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with threads() as pool:
         list(pool.map(work, range(0, n, CHUNK)))
     return labels
 
