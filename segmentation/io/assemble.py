@@ -6,6 +6,7 @@ are local, colours and intensities have one range.
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from segmentation.io.ranges import color16, intensity16
 from segmentation.io.sample import box_of, corners_of, sample
 from segmentation.io.scale import scale_of
 from segmentation.io.specks import far_specks
+from segmentation.io.suspicions import tell_zeros, unit_normals
 from segmentation.notes import count
 
 FLOAT32_REACH = 800.0
@@ -82,7 +84,9 @@ def assemble(
     check_precision(path, facts, few, scale)
     where = origin_of(path, facts, np.sort(turn(corners * scale, up), axis=0), asked=origin)
     _tell_marked(facts, marked, keep_marked)
-    _tell_dropped(facts, sum(map(len, points)) - sum(len(p.xyz) for p in parts))
+    _tell_dropped(facts, sum(map(len, points)) - sum(len(p.xyz) for p in parts), sum(map(len, points)))
+    tell_zeros(facts, [p.xyz for p in parts], taken)
+    parts = [replace(p, normals=normals) for p, normals in zip(parts, unit_normals(facts, parts), strict=True)]
 
     places = np.concatenate(points)
     if n == len(places):
@@ -228,9 +232,10 @@ def _tell_marked(facts: Facts, marked: Counter[str], kept: bool) -> None:
         facts.tell("marked", f"left out as the file marks them: {told}; --keep-marked uses them")
 
 
-def _tell_dropped(facts: Facts, dropped: int) -> None:
+def _tell_dropped(facts: Facts, dropped: int, total: int) -> None:
     if dropped:
-        facts.tell("dropped", f"{count(dropped, 'point')} of the file that are NaN, infinite or empty beams: dropped")
+        what = f"{count(dropped, 'point')} of the file that are NaN, infinite or empty beams"
+        facts.tell("dropped", f"{what}, {100 * dropped / total:.2g}% of all: dropped")
 
 
 def _tell_specks(

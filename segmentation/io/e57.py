@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 from segmentation.crs import of_wkt
 from segmentation.errors import COPY_AGAIN, ReadError
 from segmentation.io.chunk import SIZE, Chunk
+from segmentation.io.e57_bounds import Bounds
 from segmentation.io.e57_check import check_e57
+from segmentation.io.e57_records import check_records
 from segmentation.io.facts import Facts
 from segmentation.io.ranges import TOP
+from segmentation.io.rest import tell_damaged, truncated
 
 CARTESIAN = ("cartesianX", "cartesianY", "cartesianZ")
 SPHERICAL = ("sphericalRange", "sphericalAzimuth", "sphericalElevation")
@@ -45,7 +48,9 @@ def read_e57(path: Path, facts: Facts) -> Iterator[Chunk]:
     """
     from pye57 import libe57
 
-    check_e57(path)
+    more = check_records(path, check_e57(path))
+    if more:
+        tell_damaged(facts, "; ".join(more))
     try:
         image = libe57.ImageFile(str(path), "r")
     except Exception as error:
@@ -66,12 +71,20 @@ def read_e57(path: Path, facts: Facts) -> Iterator[Chunk]:
             pose = _pose(path, scan, number, facts)
             lone = pose is None or (pose.is_identity and len(scans) == 1)
             stations = None if pose is None or lone else pose.translation[None]
+            bounds = Bounds(scan, *((np.eye(3), np.zeros(3)) if pose is None else (pose.rotation, pose.translation)))
+            first = done
             for raw in _raw_chunks(path, image, scan):
-                chunk = _chunk(raw, scan, pose)
+                chunk = _chunk(raw, scan, pose, bounds)
                 done += len(chunk.xyz)
                 yield replace(chunk, stations=stations, done=done / total)
                 stations = None
-    except libe57.E57Exception as error:
+            if done - first < (count := scan["points"].childCount()):
+                raise truncated(path, count, done - first)
+            if off := bounds.broken():
+                tell_damaged(facts, f"points of scan {number} lie outside its bounds by up to {off:.3g} m")
+    except ReadError:
+        raise
+    except Exception as error:  # the library and its binding raise whatever comes to their minds
         raise _damaged(path, error) from error
     finally:
         image.close()
@@ -98,14 +111,16 @@ def _raw_chunks(path: Path, image: Any, scan: Any) -> Iterator[dict[str, NDArray
     reader.close()
 
 
-def _chunk(raw: dict[str, NDArray[Any]], scan: Any, pose: Pose | None) -> Chunk:
+def _chunk(raw: dict[str, NDArray[Any]], scan: Any, pose: Pose | None, bounds: Bounds) -> Chunk:
     cartesian = CARTESIAN[0] in raw
     xyz = np.stack([raw[f] for f in CARTESIAN], axis=1) if cartesian else _cartesian(*(raw[f] for f in SPHERICAL))
     state = raw.get("cartesianInvalidState" if cartesian else "sphericalInvalidState")
     normals = np.stack([raw[f] for f in NORMALS], axis=1) if NORMALS[0] in raw else None
+    own = xyz
     if pose is not None and not pose.is_identity:
         xyz = xyz @ pose.rotation.T + pose.translation
         normals = None if normals is None else normals @ pose.rotation.T.astype(np.float32)
+    bounds.count(own, xyz, None if state is None else state == 0)
     return Chunk(
         xyz=xyz,
         normals=normals,

@@ -22,8 +22,8 @@ HARMLESS = (b"<!--", b"<![CDATA[")  # all else that begins like this declares so
 LOCATIONS = ("schemaLocation", "noNamespaceSchemaLocation")  # attributes that name a schema to be fetched
 
 
-def check_e57(path: Path) -> None:
-    """Refuse an E57 file whose XML is too long, nested too deeply, or declares anything.
+def check_e57(path: Path) -> bytes:
+    """The XML of an E57 file; refused is one that is too long, nested too deeply, or declares anything.
 
     Raises:
         ReadError: it is so, or the header makes no sense.
@@ -37,6 +37,7 @@ def check_e57(path: Path) -> None:
             raise _unsafe(path)
         at = xml.find(b"<!", at + 2)
     _parsed(path, xml)
+    return xml
 
 
 def _xml(path: Path) -> bytes:

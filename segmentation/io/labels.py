@@ -12,7 +12,8 @@ from segmentation.errors import ReadError
 from segmentation.io.facts import Facts
 from segmentation.io.formats import reader_of
 from segmentation.io.las import las_points, open_las
-from segmentation.io.ply import layout_of, vertices
+from segmentation.io.ply import vertices
+from segmentation.io.ply_header import layout_of
 
 Labels = NDArray[np.integer[Any]]
 
@@ -48,7 +49,7 @@ def _ply(path: Path, name: str) -> NDArray[Any]:
     names = list(layout.dtype.names or ())
     if name.lower() not in names:
         raise _lacking(path, name, names)
-    chunks = (values[name.lower()] for values, _ in vertices(path, layout))
+    chunks = (values[name.lower()] for values, _ in vertices(path, layout, Facts()))
     return np.concatenate([np.empty(0, layout.dtype[name.lower()]), *chunks])
 
 

@@ -13,7 +13,7 @@ from segmentation.crs import Crs, of_geokeys, of_wkt
 from segmentation.errors import COPY_AGAIN, ReadError
 from segmentation.io.chunk import SIZE, Chunk
 from segmentation.io.facts import Facts
-from segmentation.io.las_check import Kept, check_las
+from segmentation.io.las_check import Kept, check_las, contradictions
 from segmentation.io.laz_apart import ApartReader, DecoderError
 
 NORMALS = ("NormalX", "NormalY", "NormalZ")
@@ -22,6 +22,8 @@ NOISE = {7: "noise (class 7)", 18: "high noise (class 18)"}
 """Classes of the LAS standard that are no surface, and what they are called."""
 WKT, KEYS, DOUBLES, LASZIP = 2112, 34735, 34736, 22204
 """Records that hold a well-known text, GeoTIFF keys, the real numbers of some of these, and how points are packed."""
+SHORTEST_RECORD = 34
+"""Bytes of that last one, without what it says of the parts of a point."""
 
 
 def read_las(path: Path, facts: Facts) -> Iterator[Chunk]:
@@ -41,9 +43,11 @@ def read_las(path: Path, facts: Facts) -> Iterator[Chunk]:
             chunk = _chunk(points, reader.header, done / total)
             kept.count(chunk.xyz, np.asarray(points["return_number"]))
             yield chunk
-        broken = kept.broken()
-        if broken:
+        packing = _packing(reader.header) if reader.header.are_points_compressed else b""
+        for broken in filter(None, (kept.broken(), contradictions(path, reader.header, packing))):
             facts.tell("damaged", f"the file may be damaged: its header promises other points ({broken})")
+        if not kept.has_box():
+            facts.tell("unchecked", "the header has no box of the points: whether they are whole is not checked")
 
 
 @contextmanager
@@ -75,11 +79,17 @@ def _unpacked(path: Path, header: Any, needed: Callable[[Any], Any] | None) -> A
     """Who unpacks the points of a LAZ file."""
     from laspy import DecompressionSelection as Part
 
-    record = next((vlr.record_data for vlr in header.vlrs if vlr.record_id == LASZIP), None)
-    if not isinstance(record, bytes):
+    record = _packing(header)
+    if len(record) < SHORTEST_RECORD:
         raise ReadError(path, "is compressed, but does not say how", COPY_AGAIN)
     parts = Part.all() if needed is None else needed(header)
     return ApartReader(path, header, record, [part.name for part in Part if part.name and parts.is_set(part)])
+
+
+def _packing(header: Any) -> bytes:
+    """The record of a LAZ file that says how its points are packed; empty if there is none."""
+    record = next((vlr.record_data for vlr in header.vlrs if vlr.record_id == LASZIP), None)
+    return record if isinstance(record, bytes) else b""
 
 
 def las_points(path: Path, reader: Any) -> Iterator[Any]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +16,13 @@ from segmentation.errors import COPY_AGAIN, ReadError
 
 SHORTEST = {0: 227, 1: 227, 2: 227, 3: 235, 4: 375}  # bytes of the header by minor version
 RECORD, LONG_RECORD = 54, 60  # bytes before each variable length record, and before each extended one
-SMALLEST = 20  # bytes of a point
+SMALLEST = (20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67)  # bytes of a point by its format
 PACKED = 0x80  # bit of the point format of compressed files
 RETURNS = 16  # that a pulse may have, counted from 0
 SLACK = 2.0  # steps of the coordinates that a box may be rounded by
+KINDS = 0x3F  # bits of the point format that tell it
+VARIABLE = 2**32 - 1  # points in a chunk of compressed files whose chunks differ
+FEWEST = 4  # points of zero bytes that no scan has
 DENSEST = 200  # points that a byte of a compressed file can hold at most; scans have less than one
 
 
@@ -31,28 +34,73 @@ class Kept:
         self.header = header
         self.low, self.high = np.full(3, np.inf), np.full(3, -np.inf)
         self.returns = np.zeros(RETURNS, np.int64)
+        self.zeros = 0  # points whose coordinates are zero in the file, which is their offset
 
-    def count(self, xyz: NDArray[np.floating], returns: NDArray[np.integer]) -> None:
+    def count(self, xyz: NDArray[np.floating[Any]], returns: NDArray[np.integer[Any]]) -> None:
         """Take points (n, 3) and which return of its pulse each is (n,)."""
         for k in range(3):
             self.low[k] = min(self.low[k], xyz[:, k].min())
             self.high[k] = max(self.high[k], xyz[:, k].max())
+        there = np.flatnonzero(xyz[:, 0] == self.header.offsets[0])
+        self.zeros += int((xyz[there] == self.header.offsets).all(axis=1).sum())
         self.returns += np.bincount(returns, minlength=RETURNS)
 
     def broken(self) -> str:
         """What is not as promised, in words; empty if all is, or nothing was promised."""
         found = []
-        low, high = np.asarray(self.header.mins, np.float64), np.asarray(self.header.maxs, np.float64)
-        if np.isfinite([low, high]).all() and (low <= high).all() and (low < high).any():
-            off = float(np.maximum(low - self.low, self.high - high).max())
-            if off > SLACK * float(np.max(self.header.scales)):
-                found.append(f"points lie outside their box by up to {off:.3g}")
+        if self.has_box():
+            off = np.maximum(self.header.mins - self.low, self.high - self.header.maxs)
+            if (off > SLACK * np.abs(self.header.scales)).any():
+                found.append(f"points lie outside their box by up to {off.max():.3g}")
         promised = np.asarray(self.header.number_of_points_by_return, np.int64)
         there = self.returns[1 : len(promised) + 1]
-        if promised.sum() == self.header.point_count and (promised != there).any():
+        if promised.any() and (promised != there).any():
             k = int(np.flatnonzero(promised != there)[0])
             found.append(f"of return {k + 1} there are {there[k]:,} points, not {promised[k]:,}")
+        if self.zeros >= FEWEST:
+            found.append(f"{self.zeros:,} points have lost their coordinates, which are zero bytes")
         return "; ".join(found)
+
+    def has_box(self) -> bool:
+        """Whether the header has a box; one of zeros was never filled in."""
+        box = np.array([self.header.mins, self.header.maxs], np.float64)
+        return bool(np.isfinite(box).all() and box.any())
+
+
+def contradictions(path: Path, header: Any, packing: bytes) -> str:
+    """What in the file contradicts the count of points in its header, in words; empty if nothing does.
+
+    header: as laspy has it. packing: the record of a LAZ file that says how its points are packed, else empty.
+    """
+    with path.open("rb") as file:
+        (legacy,) = struct.unpack_from("<I", file.read(SHORTEST[0]), 107)
+        if packing:
+            return _other_chunks(file, header, packing)
+    found = []
+    if legacy not in (0, header.point_count):
+        found.append(f"it has two counts of points, {legacy:,} and {header.point_count:,}")
+    size = path.stat().st_size
+    ends = [size, header.start_of_first_evlr, header.start_of_waveform_data_packet_record]
+    start, length = header.offset_to_point_data, header.point_format.size
+    more = (min(end for end in ends if end >= start) - start) // length - header.point_count
+    if more > 0:
+        found.append(f"behind its points is room for {more:,} others")
+    return "; ".join(found)
+
+
+def _other_chunks(file: BinaryIO, header: Any, packing: bytes) -> str:
+    """The same for the chunks of a LAZ file, which all but the last hold as many points as its record says."""
+    (most,) = struct.unpack_from("<I", packing, 12)
+    file.seek(header.offset_to_point_data)
+    (table,) = struct.unpack("<q", file.read(8))
+    if most in (0, VARIABLE) or table < header.offset_to_point_data:
+        return ""
+    file.seek(table)
+    told = file.read(8)
+    chunks = -(-header.point_count // most)
+    if len(told) == 8 and (number := struct.unpack("<II", told)[1]) != chunks:
+        return f"its points need {chunks:,} chunks of {most:,}, and {number:,} are there"
+    return ""
 
 
 def check_las(path: Path) -> None:
@@ -68,7 +116,7 @@ def check_las(path: Path) -> None:
         raise ReadError(path, "is no whole LAS or LAZ file (it ends within its header)", COPY_AGAIN)
     minor = head[25]
     header_size, start, records = struct.unpack_from("<HII", head, 94)
-    point_format = head[104]
+    point_format, kind = head[104], head[104] & KINDS
     (length,) = struct.unpack_from("<H", head, 105)
     (count,) = struct.unpack_from("<I", head, 107)
     scales = np.frombuffer(head, "<f8", 6, 131)
@@ -83,7 +131,7 @@ def check_las(path: Path) -> None:
         f"points from byte {start} on": not header_size <= start <= size,
         f"{records:,} records before the points": records * RECORD > start - header_size,
         f"{extended[1]:,} records after the points": extended[1] > 0 and not _fits(extended, start, size),
-        f"points of {length} bytes": length < SMALLEST,
+        f"points of {length} bytes in format {kind}": kind >= len(SMALLEST) or length < SMALLEST[kind],
         "scales or offsets that are no numbers": not np.isfinite(scales).all() or not scales[:3].all(),
     }
     for what, cannot in wrong.items():

@@ -11,10 +11,18 @@ from numpy.typing import NDArray
 from segmentation.errors import ReadError
 from segmentation.io.chunk import SIZE, Chunk
 from segmentation.io.facts import Facts
+from segmentation.io.numbers import number_of, whole_of
 from segmentation.io.records import XYZ, chunk_of, from_table, unique
+from segmentation.io.rest import tell_bytes, tell_lines, tell_unended, truncated
 from segmentation.io.table import Rows
 
-KINDS = {"F": "f", "I": "i", "U": "u"}
+KINDS = {
+    **{f"F{size}": f"f{size}" for size in (4, 8)},
+    **{f"{kind}{size}": f"{kind.lower()}{size}" for kind in "IU" for size in (1, 2, 4, 8)},
+}
+"""Types of values, by TYPE and SIZE."""
+DENSEST = 88
+"""Bytes that a byte of LZF may become: three that are copied make 264."""
 PACKED = ("rgb", "rgba")
 """Fields that hold red, green and blue in the bytes of one number."""
 HOME = [0.0, 0.0, 0.0]
@@ -42,7 +50,7 @@ def read_pcd(path: Path, facts: Facts) -> Iterator[Chunk]:
     """
     layout = _layout(path, facts)
     stations = layout.viewpoint
-    for values, done in DECODERS[layout.encoding](path, layout):
+    for values, done in DECODERS[layout.encoding](path, layout, facts):
         yield replace(chunk_of(values, done, _color(values)), stations=stations)
         stations = None
 
@@ -57,19 +65,31 @@ def _layout(path: Path, facts: Facts) -> Layout:
             words = line.decode("latin-1").split() or [""]
             if words[0].startswith("#"):
                 facts.listen(" ".join(words))
+            elif words[0].upper() in header:
+                raise ReadError(path, f"its PCD header makes no sense (two lines {words[0][:20]!r})", WAY_OUT)
             elif words[0]:
                 header[words[0].upper()] = words[1:]
         start = file.tell()
     try:
-        names, sizes, kinds = unique(header["FIELDS"]), header["SIZE"], header["TYPE"]
-        counts = header.get("COUNT", ["1"] * len(names))
-        fields: list[Any] = []
-        for name, size, kind, n in zip(names, sizes, kinds, counts, strict=True):
-            fields.append((name, f"<{KINDS[kind]}{int(size)}", *([(int(n),)] if int(n) != 1 else [])))
+        names, counts = unique(header["FIELDS"]), [1] * len(header["FIELDS"])
+        if "COUNT" in header:
+            counts = [whole_of(word) for word in header["COUNT"]]
+        kinds = [KINDS[kind + size] for kind, size in zip(header["TYPE"], header["SIZE"], strict=True)]
+        if not names or min(counts) < 1:
+            raise ValueError(f"COUNT {' '.join(header['COUNT'])}")
+        width = sum(n * int(kind[1]) for n, kind in zip(counts, kinds, strict=True))
+        if width > path.stat().st_size:
+            raise ValueError(f"points of {width} bytes")
+        fields: list[Any] = [
+            (name, f"<{kind}", *([(n,)] if n != 1 else [])) for name, kind, n in zip(names, kinds, counts, strict=True)
+        ]
         dtype = np.dtype(fields)
-        count = int(header["POINTS"][0]) if "POINTS" in header else int(header["WIDTH"][0]) * int(header["HEIGHT"][0])
-        place = [float(v) for v in header.get("VIEWPOINT", ["0"] * 3)[:3]]
-        encoding = header["DATA"][0].lower()
+        beams = whole_of(_one(header["WIDTH"])) * whole_of(_one(header["HEIGHT"])) if "WIDTH" in header else None
+        count = whole_of(_one(header["POINTS"])) if "POINTS" in header or beams is None else beams
+        if beams not in (None, count):
+            raise ValueError(f"WIDTH x HEIGHT = {beams}, POINTS {count}")
+        place = [number_of(v.encode("latin-1")) for v in header.get("VIEWPOINT", ["0"] * 3)[:3]]
+        encoding = _one(header["DATA"]).lower()
     except (KeyError, ValueError, IndexError, TypeError) as error:
         raise ReadError(path, f"its PCD header makes no sense ({error!r})", WAY_OUT) from error
     if encoding not in DECODERS:
@@ -83,38 +103,50 @@ def _layout(path: Path, facts: Facts) -> Layout:
     return Layout(dtype, count, encoding, start, None if place == HOME else np.array([place]))
 
 
-def _ascii(path: Path, layout: Layout) -> Values:
+def _one(words: list[str]) -> str:
+    """The one word of a line. Raises ValueError if there are others."""
+    (word,) = words
+    return word
+
+
+def _ascii(path: Path, layout: Layout, facts: Facts) -> Values:
     width = sum(int(np.prod(layout.dtype[name].shape, dtype=int)) for name in layout.dtype.names or ())
     have = 0
-    for table in Rows(path, width, start=layout.start, limit=layout.count):
+    rows = Rows(path, width, start=layout.start, limit=layout.count)
+    for table in rows:
         have += len(table)
         yield from_table(table, layout.dtype), have / layout.count
     if have < layout.count:
-        raise _truncated(path, layout.count, have)
+        raise truncated(path, layout.count, have)
+    tell_lines(facts, rows.beyond, 0)
+    if not rows.ended:
+        tell_unended(facts)
 
 
-def _binary(path: Path, layout: Layout) -> Values:
+def _binary(path: Path, layout: Layout, facts: Facts) -> Values:
     have = (path.stat().st_size - layout.start) // layout.dtype.itemsize
     if have < layout.count:
-        raise _truncated(path, layout.count, have)
+        raise truncated(path, layout.count, have)
     with path.open("rb") as file:
         file.seek(layout.start)
         for at in range(0, layout.count, SIZE):
             values = np.fromfile(file, layout.dtype, min(SIZE, layout.count - at))
             yield values, (at + len(values)) / layout.count
+    tell_bytes(path, facts, layout.start + layout.count * layout.dtype.itemsize)
 
 
-def _compressed(path: Path, layout: Layout) -> Values:
+def _compressed(path: Path, layout: Layout, facts: Facts) -> Values:
     """Two lengths, then all values of the first field, all of the second, …, compressed together."""
     from segmentation.io.lzf import unpack  # numba takes half a second, which other files need not wait for
 
     with path.open("rb") as file:
         file.seek(layout.start)
         lengths = np.fromfile(file, "<u4", 2)
-        packed = np.fromfile(file, np.uint8, int(lengths[0]) if len(lengths) == 2 else 0)
+        room = path.stat().st_size - file.tell()
+        packed = np.fromfile(file, np.uint8, min(int(lengths[0]), room) if len(lengths) == 2 else 0)
     whole = layout.count * layout.dtype.itemsize
-    if len(lengths) < 2 or len(packed) < lengths[0] or lengths[1] != whole:
-        raise _truncated(path, layout.count, 0)
+    if len(lengths) < 2 or len(packed) < lengths[0] or lengths[1] != whole or whole > DENSEST * len(packed):
+        raise truncated(path, layout.count, 0)
     plain = np.zeros(whole, np.uint8)
     if unpack(packed, plain) != whole:
         raise ReadError(path, "its compressed data is damaged", WAY_OUT)
@@ -125,9 +157,10 @@ def _compressed(path: Path, layout: Layout) -> Values:
         values[name] = plain[at : at + length].view(layout.dtype[name].base).reshape(-1, *layout.dtype[name].shape)
         at += length
     yield values, 1.0
+    tell_bytes(path, facts, layout.start + lengths.nbytes + len(packed))
 
 
-DECODERS: dict[str, Callable[[Path, Layout], Values]] = {
+DECODERS: dict[str, Callable[[Path, Layout, Facts], Values]] = {
     "ascii": _ascii,
     "binary": _binary,
     "binary_compressed": _compressed,
@@ -141,7 +174,3 @@ def _color(values: NDArray[np.void]) -> NDArray[np.uint8] | None:
         return None
     packed = np.ascontiguousarray(values[name]).view(np.uint32)
     return np.stack([(packed >> shift & 255).astype(np.uint8) for shift in (16, 8, 0)], axis=1)
-
-
-def _truncated(path: Path, promised: int, have: int) -> ReadError:
-    return ReadError(path, f"is truncated: {have} of {promised} points are there", "copy it again from where it comes")

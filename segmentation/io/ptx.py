@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from segmentation.errors import ReadError
 from segmentation.io.chunk import Chunk
 from segmentation.io.facts import Facts
-from segmentation.io.table import opened
+from segmentation.io.numbers import number_of, whole_of
+from segmentation.io.rest import tell_unended
+from segmentation.io.table import has_end, opened
 
 ROWS = 200_000
 """Lines that are read at once."""
@@ -42,7 +44,7 @@ def read_ptx(path: Path, facts: Facts) -> Iterator[Chunk]:
     Raises ReadError if a header makes no sense, a matrix is no motion, or rows are missing.
     """
     size = path.stat().st_size
-    number, line = 0, 0
+    number, line, ended = 0, 0, True
     with opened(path) as file:
         while (station := _station(path, file, number + 1, line, facts)) is not None:
             number, line = number + 1, line + station.lines
@@ -53,6 +55,7 @@ def read_ptx(path: Path, facts: Facts) -> Iterator[Chunk]:
                 if not lines:
                     wrong = f"is truncated: {left} of {station.beams} points of scan {number} are missing"
                     raise ReadError(path, wrong, "copy it again from where it comes")
+                ended = has_end(lines[-1])
                 width = width or len(lines[0].split())
                 table = _table(path, lines, width, line)
                 left, line = left - len(lines), line + len(lines)
@@ -60,6 +63,8 @@ def read_ptx(path: Path, facts: Facts) -> Iterator[Chunk]:
                 position = None
     if number == 0:
         raise ReadError(path, "has no whole PTX header", WAY_OUT)
+    if not ended:
+        tell_unended(facts)
 
 
 def _station(path: Path, file: BinaryIO, number: int, line: int, facts: Facts) -> Station | None:
@@ -71,12 +76,12 @@ def _station(path: Path, file: BinaryIO, number: int, line: int, facts: Facts) -
         return None
     lines = [first, *(file.readline(LINE) for _ in range(9))]
     try:
-        rows = [[float(word) for word in text.split()] for text in lines]
-        counts = [int(row[0]) for row in rows[:2]]
-        matrix = np.array(rows[6:], np.float64)
-        if any(len(row) != 1 for row in rows[:2]) or matrix.shape != (4, 4) or min(counts) < 0:
+        counts = [whole_of(text.strip()) for text in lines[:2]]
+        rows = [[number_of(word) for word in text.split()] for text in lines[2:]]
+        matrix = np.array(rows[4:], np.float64)
+        if matrix.shape != (4, 4) or [len(row) for row in rows[:4]] != [3] * 4:
             raise ValueError
-    except (ValueError, OverflowError, IndexError):
+    except ValueError:
         wrong = f"has no whole PTX header of scan {number} in lines {line + blank + 1} to {line + blank + 10}"
         raise ReadError(path, wrong, WAY_OUT) from None
     return Station(counts[0] * counts[1], blank + len(lines), *_motion(path, matrix, number, facts))
@@ -112,7 +117,7 @@ def _table(path: Path, lines: list[bytes], width: int, line: int) -> NDArray[np.
     for k, text in enumerate(lines, line + 1):
         words = text.split()
         try:
-            bad = len(words) != width or width not in WIDTHS or not [float(word) for word in words]
+            bad = len(words) != width or width not in WIDTHS or not [number_of(word) for word in words]
         except ValueError:
             bad = True
         if bad:
@@ -121,7 +126,7 @@ def _table(path: Path, lines: list[bytes], width: int, line: int) -> NDArray[np.
                 f"line {k} is no row of {' or '.join(map(str, WIDTHS))} numbers ('{shown}'), or the file is truncated"
             )
             raise ReadError(path, wrong, WAY_OUT)
-    return np.array([[float(word) for word in text.split()] for text in lines])
+    return np.array([[number_of(word) for word in text.split()] for text in lines])
 
 
 def _chunk(table: NDArray[np.float64], station: Station, position: NDArray[np.float64] | None, done: float) -> Chunk:

@@ -46,3 +46,11 @@ def intensity16(intensity: NDArray[Any], like: NDArray[Any] | None = None) -> ND
     elif low < 0 or high > TOP or not np.array_equal(told, np.round(told)):
         values = np.where(finite, (values - low) * (TOP / (high - low)), 0)
     return np.round(np.clip(values, 0, TOP)).astype(np.uint16)
+
+
+def class8(classes: NDArray[Any]) -> NDArray[np.uint8]:
+    """Classes (n,) as uint8; what is none, NaN or outside 0..255, becomes 0, which is "never classified"."""
+    if classes.dtype == np.uint8:
+        return classes
+    fits = (classes >= 0) & (classes <= 255)  # never true of NaN
+    return np.where(fits, classes, 0).astype(np.uint8)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.io.chunk import Chunk
+from segmentation.io.ranges import class8
 
 XYZ = ("x", "y", "z")
 NORMALS = (("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"))
@@ -32,7 +33,7 @@ def chunk_of(values: NDArray[np.void], done: float, color: NDArray[Any] | None =
         normals=_first(values, NORMALS),
         color=_first(values, COLORS) if color is None else color,
         intensity=None if intensity is None else intensity[:, 0],
-        classification=None if classes is None else classes[:, 0].astype(np.uint8),
+        classification=None if classes is None else class8(classes[:, 0]),
         done=done,
     )
 
@@ -45,7 +46,8 @@ def from_table(table: NDArray[np.float64], dtype: np.dtype[np.void]) -> NDArray[
         width = int(np.prod(dtype[name].shape, dtype=int))
         columns = table[:, at : at + width]
         if not np.issubdtype(dtype[name].base, np.floating):
-            columns = np.nan_to_num(columns)
+            kind = np.iinfo(dtype[name].base)
+            columns = np.clip(np.nan_to_num(columns), kind.min, kind.max)
         values[name] = columns.reshape(-1, *dtype[name].shape)
         at += width
     return values

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.errors import ReadError
+from segmentation.io.numbers import number_of, whole_of
 
 BLOCK = 1 << 24
 """Bytes read at once: about 400,000 rows."""
 LINE = 1 << 16
 """Bytes that a line may have."""
-MISSING = {b"nan", b"-nan", b"-nan(ind)", b"nan(ind)", b"1.#qnan", b"-1.#ind", b"na", b"n/a", b"null", b"none", b"-"}
 COMMENTS = (b"#", b"//")
 HEAD = 1 << 16
 """Bytes at the beginning that tell how a text is encoded, and what its columns are."""
@@ -30,13 +30,25 @@ QUOTED = re.compile(rb"\"([-+]?\d*),(\d+(?:[eE][-+]?\d+)?)\"")
 """A number in quotes with a decimal comma."""
 
 
-def number_of(word: bytes) -> float:
-    """The number that a word is, nan for one that stands for a missing number. Raises ValueError if it is none."""
-    if word.lower() in MISSING:
-        return float("nan")
-    if b"_" in word:  # Python's own way to write numbers, and no one else's
-        raise ValueError(word)
-    return float(word)
+def lines_in(block: bytes) -> int:
+    """How many lines of whole lines of a text have something in them."""
+    if b"\n\n" in block or b"\r" in block or block[:1].isspace():
+        return sum(1 for line in block.splitlines() if line.strip())
+    return block.count(b"\n") + (not block.endswith(b"\n") and bool(block.strip()))
+
+
+def has_end(block: bytes) -> bool:
+    """Whether the last line of a text has its end; blanks that follow it are none."""
+    return not block[max(block.rfind(b"\n"), block.rfind(b"\r")) + 1 :].strip()
+
+
+def rest_of(file: BinaryIO, had_end: bool) -> tuple[int, bool]:
+    """How many lines with something in them follow, and whether the last one has its end; `had_end` if none follows."""
+    lines = 0
+    while block := file.read(BLOCK) + file.readline():
+        lines += lines_in(block)
+        had_end = has_end(block)
+    return lines, had_end
 
 
 def opened(path: Path) -> BinaryIO:
@@ -99,6 +111,8 @@ class Rows:
     start: byte at which to begin. skip: lines to leave out from there. limit: rows after which to stop, None for all.
     words: columns that hold words, as names of points; they are read as nan.
     counts: filled while reading with whole numbers that stand alone in a line, as PTS has them before each scan.
+    beyond: lines after the last row that is asked for, and ended: whether the last line of the file has its end; both
+    are known once all rows are read.
     Blank lines and comments are passed over. Raises ReadError that names the line which is no row.
     """
 
@@ -112,6 +126,8 @@ class Rows:
     counts: list[int] = field(default_factory=list)
     done: float = 0.0
     """Share of the file read so far."""
+    beyond: int = 0
+    ended: bool = True
 
     def __iter__(self) -> Iterator[NDArray[np.float64]]:
         left = self.limit
@@ -127,6 +143,7 @@ class Rows:
                 if not block:
                     return
                 self.done = file.tell() / size
+                self.ended = has_end(block)
                 table = self._table(block, line, left)
                 line += block.count(b"\n")
                 if left is not None:
@@ -134,6 +151,8 @@ class Rows:
                     left -= len(table)
                 if len(table):
                     yield table
+            lines, self.ended = rest_of(file, self.ended)
+            self.beyond += lines
 
     def _table(self, block: bytes, line: int, left: int | None) -> NDArray[np.float64]:
         lines = block.count(b"\n") + (not block.endswith(b"\n"))
@@ -148,16 +167,18 @@ class Rows:
 
     def _line_by_line(self, block: bytes, line: int, left: int | None) -> NDArray[np.float64]:
         table: list[list[float]] = []
-        for number, text in enumerate(block.splitlines(), line + 1):
+        lines = block.splitlines()
+        for number, text in enumerate(lines, line + 1):
             if len(table) == left:
+                self.beyond += sum(1 for rest in lines[number - line - 1 :] if rest.strip())
                 break
             words = self._row(text)
             if not words or text.lstrip().startswith(COMMENTS):
                 continue
-            if len(words) == 1 and self.columns > 1 and words[0].isdigit():
-                self.counts.append(int(words[0]))
-                continue
             try:
+                if len(words) == 1 and self.columns > 1 and words[0].isdigit():
+                    self.counts.append(whole_of(words[0]))
+                    continue
                 row = [number_of(word) for word in words]
             except ValueError:
                 shown = text[:40].decode("latin-1").encode("unicode_escape").decode()

@@ -14,8 +14,11 @@ from segmentation.io.chunk import Chunk
 from segmentation.io.facts import Facts
 from segmentation.io.guess import AmbiguousError, check_northing_first, guessed
 from segmentation.io.header import Header, NotUnderstoodError, names_of, swapped, understood, units_of
+from segmentation.io.numbers import MISSING, number_of, whole_of
 from segmentation.io.place import FAR
-from segmentation.io.table import COMMENTS, HEAD, MISSING, Dialect, Rows, number_of, opened
+from segmentation.io.ranges import class8
+from segmentation.io.rest import tell_damaged, tell_unended, truncated
+from segmentation.io.table import COMMENTS, HEAD, Dialect, Rows, opened
 from segmentation.units import UNITS
 
 NUMBER = re.compile(rb"(?<![A-Za-z\d_.])[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?(?![A-Za-z\d_])")
@@ -58,11 +61,15 @@ def read_text(path: Path, facts: Facts, columns: str | None = None) -> Iterator[
     for table in rows:
         have += len(table)
         yield _chunk(table, layout.at, rows.done)
-    promised = None if layout.promised is None else layout.promised + sum(rows.counts)
-    if promised is not None and have < promised:
-        raise ReadError(
-            path, f"is truncated: {have} of {promised} points are there", "copy it again from where it comes"
-        )
+    if not rows.ended:
+        tell_unended(facts)
+    if layout.promised is None and not rows.counts:
+        return
+    promised = (layout.promised or 0) + sum(rows.counts)
+    if have < promised:
+        raise truncated(path, promised, have)
+    if have > promised:
+        tell_damaged(facts, f"its lines of counts promise {promised:,} points, {have:,} are there")
 
 
 def _chunk(table: NDArray[np.float64], at: dict[str, int], done: float) -> Chunk:
@@ -76,7 +83,7 @@ def _chunk(table: NDArray[np.float64], at: dict[str, int], done: float) -> Chunk
         normals=columns("nx", "ny", "nz"),
         color=columns("r", "g", "b"),
         intensity=table[:, at["intensity"]].copy() if "intensity" in at else None,
-        classification=None if classes is None else np.nan_to_num(classes[:, 0]).astype(np.uint8),
+        classification=None if classes is None else class8(classes[:, 0]),
         done=done,
     )
 
@@ -110,7 +117,11 @@ def _layout(path: Path, facts: Facts, said: str | None) -> Layout:
     at = _named(path, facts, header, table, words, said) if header else _placed(path, facts, table, words)
     if words & {at["x"], at["y"], at["z"]}:
         raise ReadError(path, f"has words where its header {header and header.line!r} has coordinates", COLUMNS)
-    return Layout(dialect, first, width, words, at, int(before[-1][0]) if before else None)
+    try:
+        promised = whole_of(before[-1][0]) if before else None
+    except ValueError as error:
+        raise ReadError(path, f"before its first row {error} of points", WAY_OUT) from None
+    return Layout(dialect, first, width, words, at, promised)
 
 
 def _is_number(word: bytes) -> bool:
