@@ -17,6 +17,7 @@ from segmentation.io.e57_records import check_records
 from segmentation.io.facts import Facts
 from segmentation.io.ranges import TOP
 from segmentation.io.rest import tell_damaged, truncated
+from segmentation.io.suspicions import run_of_zeros
 
 CARTESIAN = ("cartesianX", "cartesianY", "cartesianZ")
 SPHERICAL = ("sphericalRange", "sphericalAzimuth", "sphericalElevation")
@@ -28,6 +29,8 @@ TYPES = {
     **dict.fromkeys((*COLOR, *NORMALS), "f4"),
     **dict.fromkeys(("cartesianInvalidState", "sphericalInvalidState"), "i1"),
 }
+UNIT = 1e-3
+"""What the square of a quaternion may be off 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +78,7 @@ def read_e57(path: Path, facts: Facts) -> Iterator[Chunk]:
             first = done
             for raw in _raw_chunks(path, image, scan):
                 chunk = _chunk(raw, scan, pose, bounds)
+                _tell_zeros(facts, raw, number)
                 done += len(chunk.xyz)
                 yield replace(chunk, stations=stations, done=done / total)
                 stations = None
@@ -82,7 +86,7 @@ def read_e57(path: Path, facts: Facts) -> Iterator[Chunk]:
                 raise truncated(path, count, done - first)
             if off := bounds.broken():
                 tell_damaged(facts, f"points of scan {number} lie outside its bounds by up to {off:.3g} m")
-    except ReadError:
+    except (ReadError, MemoryError):
         raise
     except Exception as error:  # the library and its binding raise whatever comes to their minds
         raise _damaged(path, error) from error
@@ -130,6 +134,19 @@ def _chunk(raw: dict[str, NDArray[Any]], scan: Any, pose: Pose | None, bounds: B
     )
 
 
+def _tell_zeros(facts: Facts, raw: dict[str, NDArray[Any]], number: int) -> None:
+    """Say where a coordinate is lost, as each stands in bytes of its own; beams that are zero all over lost none."""
+    fields = CARTESIAN if CARTESIAN[0] in raw else SPHERICAL[:1]
+    for field in fields:
+        if run_of_zeros(raw[field]):
+            state = raw.get("cartesianInvalidState", raw.get("sphericalInvalidState"))
+            beams = np.logical_and.reduce([raw[other] == 0 for other in fields])
+            there = ~beams if state is None else ~beams & (state == 0)
+            if length := run_of_zeros(raw[field][there]):
+                what = f"{length:,} points in succession of scan {number} have {field} = 0"
+                facts.tell("zeros", f"{what}: bytes lost from the file, or a plane that lies there")
+
+
 def _cartesian(r: NDArray[Any], azimuth: NDArray[Any], elevation: NDArray[Any]) -> NDArray[Any]:
     flat = r * np.cos(elevation)
     return np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), r * np.sin(elevation)], axis=1)
@@ -164,6 +181,8 @@ def _pose(path: Path, scan: Any, number: int, facts: Facts) -> Pose | None:
             "pose", f"the pose of scan {number} has the quaternion 0 0 0 0: the scan is taken without a rotation"
         )
         w = n = 1.0
+    elif abs(n - 1) > UNIT:
+        tell_damaged(facts, f"the quaternion of the pose of scan {number} has the length {n**0.5:.4g}, not 1")
     rotation = np.eye(3) + (2 / n) * np.array(
         [
             [-y * y - z * z, x * y - w * z, x * z + w * y],

@@ -74,16 +74,18 @@ def read(
         if reader is not read_text:
             raise ValueError(f"columns = {columns!r}: {path.suffix} files name theirs; leave it out")
         reader = partial(read_text, columns=columns)
-    return assemble(
-        reader(path, facts),
-        path,
-        facts,
-        up=up,
-        unit=unit,
-        origin=None if origin is None else np.asarray(origin, np.float64),
-        keep_marked=keep_marked,
-        progress=progress,
-    )
+    # what a stranger's file holds may be NaN or overflow, which is judged by what comes of it
+    with np.errstate(invalid="ignore", over="ignore"):
+        return assemble(
+            reader(path, facts),
+            path,
+            facts,
+            up=up,
+            unit=unit,
+            origin=None if origin is None else np.asarray(origin, np.float64),
+            keep_marked=keep_marked,
+            progress=progress,
+        )
 
 
 def reader_of(path: Path) -> Reader:

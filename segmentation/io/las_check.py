@@ -23,6 +23,7 @@ SLACK = 2.0  # steps of the coordinates that a box may be rounded by
 KINDS = 0x3F  # bits of the point format that tell it
 VARIABLE = 2**32 - 1  # points in a chunk of compressed files whose chunks differ
 FEWEST = 4  # points of zero bytes that no scan has
+FILLED = 0.9  # of the sides of their box that points fill, as it is to be theirs
 DENSEST = 200  # points that a byte of a compressed file can hold at most; scans have less than one
 
 
@@ -52,6 +53,8 @@ class Kept:
             off = np.maximum(self.header.mins - self.low, self.high - self.header.maxs)
             if (off > SLACK * np.abs(self.header.scales)).any():
                 found.append(f"points lie outside their box by up to {off.max():.3g}")
+            elif (self.high - self.low < FILLED * (self.header.maxs - self.header.mins)).any():
+                found.append("points fill a part of their box alone")
         promised = np.asarray(self.header.number_of_points_by_return, np.int64)
         there = self.returns[1 : len(promised) + 1]
         if promised.any() and (promised != there).any():
@@ -132,7 +135,7 @@ def check_las(path: Path) -> None:
         f"{records:,} records before the points": records * RECORD > start - header_size,
         f"{extended[1]:,} records after the points": extended[1] > 0 and not _fits(extended, start, size),
         f"points of {length} bytes in format {kind}": kind >= len(SMALLEST) or length < SMALLEST[kind],
-        "scales or offsets that are no numbers": not np.isfinite(scales).all() or not scales[:3].all(),
+        "scales or offsets that cannot be": not (np.isfinite(scales).all() and (scales[:3] > 0).all()),
     }
     for what, cannot in wrong.items():
         if cannot:

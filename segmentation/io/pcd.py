@@ -12,7 +12,7 @@ from segmentation.errors import ReadError
 from segmentation.io.chunk import SIZE, Chunk
 from segmentation.io.facts import Facts
 from segmentation.io.numbers import number_of, whole_of
-from segmentation.io.records import XYZ, chunk_of, from_table, unique
+from segmentation.io.records import XYZ, chunk_of, from_table, tell_order, unique
 from segmentation.io.rest import tell_bytes, tell_lines, tell_unended, truncated
 from segmentation.io.table import Rows
 
@@ -100,6 +100,7 @@ def _layout(path: Path, facts: Facts) -> Layout:
         raise ReadError(path, "has several values in x, y or z", WAY_OUT)
     if not set(XYZ) <= set(names):
         raise ReadError(path, "has no fields x, y and z", WAY_OUT)
+    tell_order(facts, names)
     return Layout(dtype, count, encoding, start, None if place == HOME else np.array([place]))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from segmentation.errors import ReadError
 from segmentation.io.facts import Facts
 from segmentation.io.numbers import whole_of
-from segmentation.io.records import XYZ, unique
+from segmentation.io.records import XYZ, tell_order, unique
 from segmentation.io.rest import truncated
 
 TYPES = {
@@ -100,6 +100,7 @@ def layout_of(path: Path, facts: Facts) -> Layout:
     k = next((k for k, e in enumerate(elements) if e.name == "vertex"), None)
     if k is None or not set(XYZ) <= set(elements[k].dtype.names or ()):
         raise ReadError(path, "has no vertices with x, y and z", WAY_OUT)
+    tell_order(facts, elements[k].dtype.names or ())
     before, after = ([e for e in those if e.count and e.properties] for those in (elements[:k], elements[k + 1 :]))
     layout = Layout(encoding, start, tuple(before), elements[k], tuple(after))
     room = path.stat().st_size - start + 1  # the last line of a text may lack its end

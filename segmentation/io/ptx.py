@@ -13,7 +13,7 @@ from segmentation.errors import ReadError
 from segmentation.io.chunk import Chunk
 from segmentation.io.facts import Facts
 from segmentation.io.numbers import number_of, whole_of
-from segmentation.io.rest import tell_unended
+from segmentation.io.rest import tell_damaged, tell_unended
 from segmentation.io.table import has_end, opened
 
 ROWS = 200_000
@@ -24,6 +24,8 @@ WIDTHS = (4, 7)
 """Numbers of a row: x y z intensity, and red green blue."""
 LENGTHS = (0.999, 1.001)
 """Of an axis of a matrix that is a motion."""
+SAME = 1e-3
+"""m; what a scanner's place may be rounded by."""
 WAY_OUT = "export the scan again as PTX, E57 or LAZ"
 
 
@@ -84,7 +86,24 @@ def _station(path: Path, file: BinaryIO, number: int, line: int, facts: Facts) -
     except ValueError:
         wrong = f"has no whole PTX header of scan {number} in lines {line + blank + 1} to {line + blank + 10}"
         raise ReadError(path, wrong, WAY_OUT) from None
-    return Station(counts[0] * counts[1], blank + len(lines), *_motion(path, matrix, number, facts))
+    rotation, translation = _motion(path, matrix, number, facts)
+    _tell_other_place(facts, np.array(rows[0]), np.array(rows[1:4]), rotation, translation, number)
+    return Station(counts[0] * counts[1], blank + len(lines), rotation, translation)
+
+
+def _tell_other_place(
+    facts: Facts,
+    place: NDArray[np.float64],
+    axes: NDArray[np.float64],
+    rotation: NDArray[np.float64],
+    translation: NDArray[np.float64],
+    number: int,
+) -> None:
+    """Compare the scanner's place and axes, which stand before the matrix, with it; many programs leave them blank."""
+    blank = not place.any(), not axes.any() or np.array_equal(axes, np.eye(3))
+    other = not np.allclose(place, translation, atol=SAME), not np.allclose(axes, rotation, atol=SAME)
+    if (other[0] and not blank[0]) or (other[1] and not blank[1]):
+        tell_damaged(facts, f"the scanner of scan {number} stands elsewhere than its matrix says, which is taken")
 
 
 def _motion(

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.io.chunk import Chunk
+from segmentation.io.facts import Facts
 from segmentation.io.ranges import class8
 
 XYZ = ("x", "y", "z")
@@ -22,6 +23,13 @@ def unique(names: Iterable[str]) -> list[str]:
     for k, name in enumerate(map(str.lower, names)):
         found.append(f"{name}#{k}" if name in found else name)
     return found
+
+
+def tell_order(facts: Facts, names: Iterable[str]) -> None:
+    """Say in which order x, y and z stand, if it is another."""
+    order = tuple(name for name in names if name in XYZ)
+    if order != XYZ:
+        facts.tell("columns", f"coordinates stand in the order {' '.join(order)}, by the header of the file")
 
 
 def chunk_of(values: NDArray[np.void], done: float, color: NDArray[Any] | None = None) -> Chunk:

@@ -1,6 +1,7 @@
 """What points themselves tell of a file that is damaged though nothing contradicts it, in any format."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,10 @@ from segmentation.notes import count
 
 FEWEST = 4
 """Points in 0, 0, 0 that no scan has; a lost sector of a disk makes more of them."""
+RUN = 16
+"""Points in succession that have one coordinate 0: none that is measured and has many digits does."""
+BLOCK = 1 << 13
+"""Normals that are looked at at once."""
 UNIT = 0.02
 """What the length of a normal may be off 1, as those are that are kept in bytes."""
 
@@ -26,6 +31,16 @@ def tell_zeros(facts: Facts, parts: Sequence[Floats], taken: Sequence[Mask]) -> 
         facts.tell("zeros", f"{count(zeros, 'point')} in 0, 0, 0: bytes lost from the file, or beams without an answer")
 
 
+def run_of_zeros(values: NDArray[np.floating[Any]]) -> int:
+    """The most values (k,) in succession that are 0; 0 if none are RUN."""
+    zero = values == 0
+    if np.count_nonzero(zero) < RUN:
+        return 0
+    others = np.concatenate([[-1], np.flatnonzero(~zero), [len(zero)]])
+    longest = int(np.diff(others).max()) - 1
+    return longest if longest >= RUN else 0
+
+
 def unit_normals(facts: Facts, parts: Sequence[Chunk]) -> list[Floats | None]:
     """The normals (k, 3) of each chunk, of unit length, zero where there is none; tells how many had to be changed."""
     found: list[Floats | None] = []
@@ -33,9 +48,8 @@ def unit_normals(facts: Facts, parts: Sequence[Chunk]) -> list[Floats | None]:
     for part in parts:
         normals = part.normals
         if normals is not None:
-            squares = np.einsum("ij,ij->i", normals, normals, dtype=np.float64)
-            off = ~(np.abs(squares - 1) <= 2 * UNIT) & (squares != 0)  # NaN is off too
-            if off.any():
+            off = _off(normals)
+            if off is not None:
                 normals, bad = _scaled(normals, off)
                 none, scaled = none + bad, scaled + int(off.sum()) - bad
         found.append(normals)
@@ -44,6 +58,18 @@ def unit_normals(facts: Facts, parts: Sequence[Chunk]) -> list[Floats | None]:
     if scaled:
         facts.tell("normals", f"{count(scaled, 'normal')} of the file not of unit length: taken as directions")
     return found
+
+
+def _off(normals: Floats) -> Mask | None:
+    """Which normals (k, 3) are neither of unit length nor zero, NaN among them; None if none, as is usual."""
+    ones = np.ones(3, normals.dtype)
+    blocks = (normals[k : k + BLOCK] for k in range(0, len(normals), BLOCK))  # of which each stays in the cache
+    squares = [(block * block) @ ones for block in blocks]
+    if all(s.min() >= 1 - 2 * UNIT and s.max() <= 1 + 2 * UNIT for s in squares):
+        return None
+    lengths = np.concatenate(squares)
+    off: Mask = ~(np.abs(lengths - 1) <= 2 * UNIT) & (normals != 0).any(axis=1)
+    return off if off.any() else None
 
 
 def _scaled(normals: Floats, off: NDArray[np.bool_]) -> tuple[Floats, int]:
