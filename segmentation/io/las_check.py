@@ -24,7 +24,7 @@ KINDS = 0x3F  # bits of the point format that tell it
 VARIABLE = 2**32 - 1  # points in a chunk of compressed files whose chunks differ
 FEWEST = 4  # points of zero bytes that no scan has
 FILLED = 0.9  # of the sides of their box that points fill, as it is to be theirs
-DENSEST = 200  # points that a byte of a compressed file can hold at most; scans have less than one
+DENSEST = 50  # points that a byte of a compressed file can hold at most; scans have less than one
 
 
 class Kept:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import socket
 import struct
 import threading
@@ -10,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import pye57
 import pytest
 
 from segmentation import read
@@ -18,6 +20,10 @@ from segmentation.io import e57_check
 from segmentation.io.write import write_cloud
 
 PAGE, BODY = 1024, 1020
+POSE = (
+    r'<pose type="Structure"><rotation type="Structure"><w type="Float">%s</w><x type="Float">0</x>'
+    r'<y type="Float">0</y><z type="Float">0</z></rotation></pose>\1'
+)
 TABLE = [0] * 256
 for number in range(256):
     value = number
@@ -194,3 +200,64 @@ def test_the_check_reads_the_xml_that_the_library_reads(plain, tmp_path) -> None
     at, count = struct.unpack_from("<QQ", plain, 24)
     start = at // PAGE * BODY + at % PAGE
     assert e57_check._xml(path) == plain[start : start + count]
+
+
+def xml_with(pattern: str, new: str):
+    """A change of the first text that a pattern finds."""
+    return lambda xml: re.sub(pattern.encode(), new.encode(), xml, count=1)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (xml_with('recordCount="500"', 'recordCount="499"'), "scan 1 holds 1 points more than it says"),
+        (xml_with(r"(<xMaximum[^>]*>)[^<]*", r"\g<1>1.0"), "outside its bounds by up to"),
+        (xml_with("(<cartesianBounds)", POSE % "2"), "has the length 2, not 1"),
+    ],
+)
+def test_what_contradicts_the_xml_is_told(plain, tmp_path, change, told) -> None:
+    path = tmp_path / "told.e57"
+    path.write_bytes(with_xml(plain, change))
+    assert told in dict(read(path).notes)["damaged"]
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (xml_with('recordCount="500"', 'recordCount="501"'), "500 of 501 points"),
+        (xml_with('recordCount="500"', 'recordCount="9223372036854775807"'), "500 of 9223372036854775807 points"),
+        (xml_with('recordCount="500"', 'recordCount="many"'), "no whole E57"),
+        (xml_with(r'fileOffset="\d+"', 'fileOffset="1000000000000"'), "are not where it says"),
+        (xml_with(r'fileOffset="\d+"', 'fileOffset="-8"'), "are not where it says"),
+        (xml_with("<cartesianX [^>]*/>", ""), "other fields than it says"),
+        (xml_with('<cartesianX type="Float"', '<cartesianX type="Blob"'), "a field of type 'Blob'"),
+    ],
+)
+def test_records_that_are_not_there_are_refused(plain, tmp_path, change, why) -> None:
+    path = tmp_path / "bad.e57"
+    path.write_bytes(with_xml(plain, change))
+    with pytest.raises(ReadError, match=why):
+        read(path)
+
+
+def test_points_that_are_all_one_take_no_time(plain, tmp_path) -> None:
+    constant = '<cartesian\\1 type="Integer" minimum="3" maximum="3"/>'
+
+    def change(xml: bytes) -> bytes:
+        xml = re.sub(rb"<cartesian([XYZ]) [^>]*/>", constant.encode(), xml)
+        return xml.replace(b'recordCount="500"', b'recordCount="9223372036854775807"')
+
+    path = tmp_path / "bomb.e57"
+    path.write_bytes(with_xml(plain, change))
+    with pytest.raises(ReadError, match="one and the same"):
+        read(path)
+
+
+@pytest.mark.parametrize("turn", [(1, 0, 0, 0), (0.8, 0, 0, 0.6)])
+def test_bounds_in_whatever_frame_are_right(tmp_path, turn) -> None:
+    path = tmp_path / "posed.e57"
+    xyz = np.random.default_rng(0).uniform(-3, 3, (500, 3))
+    with pye57.E57(str(path), mode="w") as file:
+        columns = dict(zip(("cartesianX", "cartesianY", "cartesianZ"), xyz.T.copy(), strict=True))
+        file.write_scan_raw(columns, rotation=np.array(turn), translation=np.array([50.0, 60, 1]))
+    assert "damaged" not in dict(read(path).notes)

@@ -1,0 +1,129 @@
+"""What points tell of a damaged file: zeros, normals of any length, a box that is not theirs, what was dropped."""
+
+from __future__ import annotations
+
+import struct
+
+import laspy
+import numpy as np
+import pytest
+
+from segmentation import ReadError, read, write_cloud
+
+N = 3000
+XYZ = np.round(np.random.default_rng(3).uniform(-3, 3, (N, 3)), 4)
+NORMALS = np.tile(np.float32([0, 0.6, 0.8]), (N, 1))
+
+
+def las(path, **header):
+    """LAS 1.2 by laspy, without counts by return, its offset amid the points."""
+    file = laspy.create(point_format=3, file_version="1.2")
+    file.header.scales, file.header.offsets = [1e-4] * 3, [0.0] * 3
+    file.x, file.y, file.z = XYZ.T
+    file.write(path)
+    return path
+
+
+def changed(path, at, layout, *values):
+    data = bytearray(path.read_bytes())
+    struct.pack_into(layout, data, at, *values)
+    path.write_bytes(data)
+    return path
+
+
+def told(path):
+    return dict(read(path).notes)
+
+
+@pytest.mark.parametrize("suffix", [".las", ".laz"])
+def test_a_good_las_is_not_suspected(tmp_path, suffix):
+    assert set(told(las(tmp_path / f"a{suffix}"))) == {"unit-assumed"}
+
+
+@pytest.mark.parametrize(
+    ("at", "layout", "values", "code", "match"),
+    [
+        (107, "<I", (N - 100,), "damaged", "room for 100 others"),
+        (131, "<d", (1e-9,), "damaged", "fill a part of their box"),
+        (155, "<d", (9.0,), "damaged", "outside their box by up to"),
+        (179, "<6d", (0, 0, 0, 0, 0, 0), "unchecked", "no box"),
+        (179, "<d", (float("nan"),), "unchecked", "no box"),
+        (227, "<34s", (bytes(340),), "damaged", "10 points have lost their coordinates"),
+    ],
+)
+def test_what_contradicts_a_las_header_is_told(tmp_path, at, layout, values, code, match):
+    path = las(tmp_path / "a.las")
+    if at == 227:
+        at, layout = struct.unpack_from("<I", path.read_bytes(), 96)[0], "<340s"
+    assert match in told(changed(path, at, layout, *values))[code]
+
+
+def test_chunks_of_a_laz_are_counted(tmp_path):
+    path = tmp_path / "a.laz"
+    rng = np.random.default_rng(0)
+    write_cloud(path, np.round(rng.uniform(-3, 3, (120_000, 3)), 4))
+    assert "damaged" not in told(path)
+    assert "need 2 chunks of 50,000, and 3 are there" in told(changed(path, 247, "<Q", 99_000))["damaged"]
+
+
+def test_two_counts_of_a_las_are_compared(tmp_path):
+    path = tmp_path / "a.las"
+    write_cloud(path, XYZ)
+    assert "two counts of points, 5 and 3,000" in told(changed(path, 107, "<I", 5))["damaged"]
+
+
+@pytest.mark.parametrize(("at", "layout", "value"), [(104, "<B", 11), (104, "<B", 5), (131, "<d", -1e-4)])
+def test_las_headers_that_cannot_be(tmp_path, at, layout, value):
+    with pytest.raises(ReadError, match="its header tells of"):
+        read(changed(las(tmp_path / "a.las"), at, layout, value))
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".xyz", ".e57"])
+@pytest.mark.parametrize(("zeros", "code"), [(3, None), (12, "zeros")])
+def test_points_of_zeros_are_counted(tmp_path, suffix, zeros, code):
+    xyz = XYZ.copy()
+    xyz[100 : 100 + zeros] = 0
+    write_cloud(tmp_path / f"a{suffix}", xyz)
+    found = told(tmp_path / f"a{suffix}")
+    assert ("zeros" in found) == (code is not None)
+    assert code is None or found["zeros"].startswith("12 points in 0, 0, 0")
+
+
+def test_a_lost_coordinate_of_an_e57_is_told(tmp_path):
+    xyz = XYZ.copy()
+    xyz[500:530, 1] = 0
+    write_cloud(tmp_path / "a.e57", xyz)
+    assert "30 points in succession of scan 1 have cartesianY = 0" in told(tmp_path / "a.e57")["zeros"]
+
+
+NORMALS_OF = {
+    "long": (1000.0, "3,000 normals of the file not of unit length", [0, 0.6, 0.8]),
+    "huge": (1e30, "3,000 normals of the file not of unit length", [0, 0.6, 0.8]),
+    "nan": (np.nan, "3,000 normals of the file that are NaN", [0, 0, 0]),
+}
+
+
+@pytest.mark.parametrize("kind", NORMALS_OF)
+def test_normals_are_made_unit_vectors(tmp_path, kind):
+    factor, match, expected = NORMALS_OF[kind]
+    write_cloud(tmp_path / "a.ply", XYZ, normals=NORMALS * np.float32(factor))
+    cloud = read(tmp_path / "a.ply")
+    assert match in dict(cloud.notes)["normals"]
+    np.testing.assert_allclose(cloud.normals, np.tile(expected, (N, 1)), atol=1e-6)
+
+
+@pytest.mark.parametrize("factor", [0.0, 1.0, 0.99])
+def test_unit_normals_and_none_stay_as_they_are(tmp_path, factor):
+    write_cloud(tmp_path / "a.ply", XYZ, normals=NORMALS * np.float32(factor))
+    cloud = read(tmp_path / "a.ply")
+    assert "normals" not in dict(cloud.notes)
+    np.testing.assert_array_equal(cloud.normals, NORMALS * np.float32(factor))
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".xyz"])
+def test_how_much_was_dropped_is_said(tmp_path, suffix):
+    xyz = XYZ.copy()
+    xyz[: N * 9 // 10] = np.nan
+    write_cloud(tmp_path / f"a{suffix}", xyz)
+    assert "2,700 points" in told(tmp_path / f"a{suffix}")["dropped"]
+    assert "90% of all" in told(tmp_path / f"a{suffix}")["dropped"]
