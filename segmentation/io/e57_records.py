@@ -93,7 +93,12 @@ def _leaves(node: Xml.Element | None) -> list[Xml.Element]:
 
 
 def _bits(field: Xml.Element) -> int:
-    """Bits that a field has in a record; 0 for a whole number that can only be one. Raises ValueError for no field."""
+    """Bits that a field has in a record, at least: 0 for a text, and for a whole number that can only be one.
+
+    Raises ValueError for what is no field.
+    """
+    if field.get("type") == "String":
+        return 0
     if field.get("type") == "Float":
         return 8 * (SINGLE if field.get("precision") == "single" else DOUBLE)
     if field.get("type") not in ("Integer", "ScaledInteger"):

@@ -116,7 +116,7 @@ def _ascii(path: Path, layout: Layout, facts: Facts) -> Values:
     rows = Rows(path, width, start=layout.start, limit=layout.count)
     for table in rows:
         have += len(table)
-        yield from_table(table, layout.dtype), have / layout.count
+        yield from_table(table, layout.dtype, facts), have / layout.count
     if have < layout.count:
         raise truncated(path, layout.count, have)
     tell_lines(facts, rows.beyond, 0)

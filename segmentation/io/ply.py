@@ -131,7 +131,7 @@ def _ascii(path: Path, layout: Layout, facts: Facts) -> Values:
     have = 0
     for table in rows:
         have += len(table)
-        yield from_table(table, layout.dtype), have / count
+        yield from_table(table, layout.dtype, facts), have / count
     if have < count:
         raise truncated(path, count, have)
     _tell_lines(layout, rows.beyond, rows.ended, facts)
@@ -165,7 +165,7 @@ def _ascii_lists(path: Path, layout: Layout, facts: Facts) -> Values:
             rows.append(row)
             have += 1
             if len(rows) == SIZE or have == vertex.count:
-                yield from_table(np.array(rows).reshape(len(rows), -1), layout.dtype), have / vertex.count
+                yield from_table(np.array(rows).reshape(len(rows), -1), layout.dtype, facts), have / vertex.count
                 rows = []
                 ended = has_end(line)
         _tell_lines(layout, *rest_of(file, ended), facts)

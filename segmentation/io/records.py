@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from segmentation.io.chunk import Chunk
 from segmentation.io.facts import Facts
 from segmentation.io.ranges import class8
+from segmentation.io.rest import tell_damaged
 
 XYZ = ("x", "y", "z")
 NORMALS = (("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"))
@@ -46,8 +47,11 @@ def chunk_of(values: NDArray[np.void], done: float, color: NDArray[Any] | None =
     )
 
 
-def from_table(table: NDArray[np.float64], dtype: np.dtype[np.void]) -> NDArray[np.void]:
-    """Records of the columns of a table, in order; a field that is an array takes as many columns."""
+def from_table(table: NDArray[np.float64], dtype: np.dtype[np.void], facts: Facts) -> NDArray[np.void]:
+    """Records of the columns of a table, in order; a field that is an array takes as many columns.
+
+    Told is what a field of whole numbers cannot hold: the columns may be others than the header says.
+    """
     values = np.empty(len(table), dtype)
     at = 0
     for name in dtype.names or ():
@@ -55,7 +59,10 @@ def from_table(table: NDArray[np.float64], dtype: np.dtype[np.void]) -> NDArray[
         columns = table[:, at : at + width]
         if not np.issubdtype(dtype[name].base, np.floating):
             kind = np.iinfo(dtype[name].base)
-            columns = np.clip(np.nan_to_num(columns), kind.min, kind.max)
+            whole: NDArray[np.float64] = np.clip(np.round(np.nan_to_num(columns)), kind.min, kind.max)
+            if not np.array_equal(whole, columns):
+                tell_damaged(facts, f"its {name!r} is to hold whole numbers up to {kind.max:,}, and holds others")
+            columns = whole
         values[name] = columns.reshape(-1, *dtype[name].shape)
         at += width
     return values

@@ -105,6 +105,8 @@ TOLD = {
     "ply of faces without end": (".ply", ply(after=faces(2**39)) + BODY + TRIANGLE, "damaged", "records of 'face'"),
     "ply in ascii with rows behind": (".ply", ply("ascii", N - 2) + ROWS.encode(), "damaged", "come 2 lines"),
     "ply in ascii without its faces": (".ply", ply("ascii", after=faces(2)) + ROWS.encode(), "damaged", "come 0 lines"),
+    "ply in ascii of another type": (".ply", ply("ascii").replace(b"float x", b"uchar x") + ROWS.encode(), "damaged",
+                                     "'x' is to hold whole numbers up to 255"),
     "ply without its last end": (".ply", ply("ascii") + ROWS[:-1].encode(), "unended", "has no end"),
     "ply in another order": (".ply", ply().replace(b"float x", b"float Y", 1).replace(b"float y", b"float x") + BODY,
                              "columns", "order y x z"),
