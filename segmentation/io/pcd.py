@@ -91,7 +91,7 @@ def _layout(path: Path, facts: Facts) -> Layout:
         place = [number_of(v.encode("latin-1")) for v in header.get("VIEWPOINT", ["0"] * 3)[:3]]
         encoding = _one(header["DATA"]).lower()
     except (KeyError, ValueError, IndexError, TypeError) as error:
-        raise ReadError(path, f"its PCD header makes no sense ({error!r})", WAY_OUT) from error
+        raise ReadError(path, f"its PCD header makes no sense ({error})", WAY_OUT) from error
     if encoding not in DECODERS:
         raise ReadError(path, f"its PCD data is {encoding!r}, known are {', '.join(DECODERS)}", WAY_OUT)
     if len(place) != 3 or not np.isfinite(place).all():
