@@ -218,7 +218,7 @@ class Model:
     thickness: float = 0.15
     settings: Mapping[str, Any] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
-    seconds: Mapping[str, float] = field(default_factory=dict)  # stage -> time; the one part that is not reproducible
+    seconds: Mapping[str, float] = field(default_factory=dict)  # stage -> time; in no file, as it is never the same
     unit: float = 1.0  # m, of x and y in the scan
     crs: Crs | None = None  # that the scan declares
     notes: tuple[Note, ...] = ()  # what was assumed, left out or changed

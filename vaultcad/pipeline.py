@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -12,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
@@ -23,6 +25,7 @@ from vaultcad.deviation import summarise
 from vaultcad.errors import NoVaultError
 from vaultcad.estimates import estimates
 from vaultcad.label import Labels, label
+from vaultcad.legible import legible
 from vaultcad.level import lean_of
 from vaultcad.model import Component, Deviation, FittedVault, Model
 from vaultcad.recognise import confidence
@@ -35,6 +38,7 @@ from vaultcad.versions import versions
 Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 
+LOG = logging.getLogger(__name__)
 STAGES = ("thinning", "finding", "labelling", "measuring")
 SPARSE = 0.09  # m between points, from which on the end of a vault without a wall is hard to tell
 AS_BUILT = 20_000  # points of the as-built surface; half of them make it, the other half measure it
@@ -72,6 +76,7 @@ class Result:
         return notebook.of_result(self)
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")  # whose sums round by the number of threads
 def fit_scan(cloud: Cloud, settings: Settings = Settings(), *, progress: Progress = lambda stage: None) -> Result:
     """Find, recognise, fit and measure the vaults in a scan.
 
@@ -99,7 +104,7 @@ def fit_scan(cloud: Cloud, settings: Settings = Settings(), *, progress: Progres
         vaults = tuple(replace(fitted, pose=lean.pose(fitted.pose)) for fitted in vaults)
     ends = cloud.in_file(np.array([cloud.xyz.min(axis=0), cloud.xyz.max(axis=0)]))
     model = Model(
-        scan=cloud.source or Path("scan"),
+        scan=legible(cloud.source or Path("scan")),
         points=len(cloud),
         bounds=np.sort(ends, axis=0),
         origin=cloud.origin,
@@ -129,6 +134,7 @@ def _stage(name: str, seconds: dict[str, float], progress: Progress) -> Iterator
     start = time.perf_counter()
     yield
     seconds[name] = time.perf_counter() - start
+    LOG.info("%s took %.3f s", name, seconds[name])
 
 
 def _measured(

@@ -12,6 +12,7 @@ from segmentation.errors import ReadError
 from segmentation.io.chunk import Progress
 from segmentation.io.formats import READERS
 from segmentation.io.las import las_points, open_las, read_las
+from segmentation.io.stamp import stamp
 from segmentation.io.whole import replacing
 from segmentation.io.write_las import add_extras, open_writer, write_las
 
@@ -66,6 +67,7 @@ def _stream(scan: Path, path: Path, cloud: Cloud, extra: Mapping[str, NDArray[An
             raise ReadError(scan, wrong, "leave the scan alone while it is worked on")
         header = reader.header.copy()
         header.version = max(header.version, laspy.header.Version.from_str(OLDEST))
+        header.creation_date = header.creation_date or stamp().date()  # of the scan; today's would never be the same
         # the index of a cloud-optimised LAZ does not fit the new file
         header.vlrs = [vlr for vlr in header.vlrs if vlr.user_id != "copc"]
         add_extras(header, extra)

@@ -11,6 +11,7 @@ from segmentation.cloud import Cloud, turn_back
 from segmentation.io.chunk import SIZE
 from segmentation.io.columns import corners
 from segmentation.io.las import NORMALS
+from segmentation.io.stamp import stamp
 
 SCALE = 1e-4
 """Coordinates are rounded to 0.1 mm, that is by 0.05 mm at most."""
@@ -29,6 +30,7 @@ def write_las(path: Path, cloud: Cloud, extra: Mapping[str, NDArray[Any]]) -> No
         extras |= zip(NORMALS, turn_back(cloud.normals, cloud.up).T, strict=True)
     header = laspy.LasHeader(version="1.4", point_format=6 if cloud.color is None else 7)
     low, high = corners(cloud)
+    header.creation_date = stamp().date()
     header.offsets = np.floor(low)
     header.scales = np.maximum(SCALE, (high - header.offsets) / WIDEST)
     add_extras(header, extras)

@@ -1,6 +1,7 @@
 import dataclasses
 import json
 from math import degrees, nan, radians
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -56,9 +57,9 @@ def test_the_pose_is_in_the_scans_own_coordinates(make_model):
     assert report(model)["vaults"][0]["pose"]["origin"] == [500_004.0, 5_000_003.0, 102.5]
 
 
-def test_all_but_the_seconds_is_reproducible(make_model):
-    quick, slow = (report(make_model("dome", seconds={"fit": t})) for t in (1.0, 2.0))
-    assert quick.pop("seconds") != slow.pop("seconds")
+def test_no_time_and_no_folder_is_told(make_model):
+    scans = Path("here/dome.laz"), Path("/there/dome.laz")
+    quick, slow = (report(make_model("dome", seconds={"fit": t}, scan=s)) for t, s in zip((1, 2), scans, strict=True))
     assert json.dumps(quick) == json.dumps(slow)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import logging
 import os
 import signal
 import sys
@@ -19,6 +21,7 @@ from vaultcad.cli.supervise import StoppedError, supervised
 from vaultcad.errors import VaultcadError
 
 NAME = "vaultcad"
+# It also tells how long the stages take.
 DEBUG = "VAULTCAD_DEBUG"  # environment variable that lets exceptions through with their tracebacks
 WRONG, BUG, INTERRUPTED = 2, 1, 130
 HALTED = "interrupted; nothing half written is left"
@@ -75,6 +78,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns the exit code. 0: done. 1: the doctor found something, or an error of vaultcad's own. 2: wrong input, or not
     enough memory. 130, 143, 129: stopped by Ctrl-C, a request to end, the terminal's end.
     """
+    if os.environ.get(DEBUG):
+        logging.basicConfig(level=logging.INFO, format="%(name)s: %(message)s")
+    for stream in (sys.stdout, sys.stderr):  # names of files are bytes, and need not be text of this terminal
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
     if arguments is not None or os.environ.get(DEBUG):
         return _run(list(sys.argv[1:] if arguments is None else arguments))
     try:

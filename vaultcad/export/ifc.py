@@ -8,14 +8,13 @@ by too many programs, and STEP carries it.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from errno import ENOSPC
-from os import strerror
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from families import Barrel, Dome, Lunette, Vault
+from segmentation.io.stamp import stamp
 from vaultcad.export.geometry import Body, bodies
 from vaultcad.export.ifc_author import Author, Entity
 from vaultcad.export.palette import colour
@@ -24,8 +23,6 @@ from vaultcad.model import Component, Deviation, FittedVault, Model
 # IFC's PAVILION_ROOF is a hipped roof, no cloister vault: what is neither barrel nor dome is user defined.
 ROOF_TYPES: dict[type[Vault], str] = {Barrel: "BARREL_ROOF", Lunette: "BARREL_ROOF", Dome: "DOME_ROOF"}
 STATUS = ("NEW", "EXISTING", "DEMOLISH", "TEMPORARY", "OTHER", "NOTKNOWN", "UNSET")  # PEnum_ElementStatus
-END = b"END-ISO-10303-21;"  # the last line of a whole file
-NO_TIME = "1970-01-01T00:00:00"  # the same model gives the same bytes
 
 
 def write_ifc(model: Model, path: Path) -> None:
@@ -49,16 +46,14 @@ def write_ifc(model: Model, path: Path) -> None:
     author.relate(
         "IfcRelContainedInSpatialStructure", "in storey", ("RelatingStructure", storey), ("RelatedElements", roofs)
     )
-    author.file.write(str(path))
-    # on a full disk it stops in the middle without a word
-    if not path.read_bytes().rstrip().endswith(END):
-        raise OSError(ENOSPC, strerror(ENOSPC), str(path))
+    # Its own writer stops on a full disk in the middle without a word, and takes no path that is not UTF-8.
+    path.write_text(author.file.to_string(), encoding="utf-8", newline="\n")
 
 
 def _header(author: Author, model: Model) -> None:
     header = author.file.header
     header.file_name.name = "model.ifc"
-    header.file_name.time_stamp = NO_TIME
+    header.file_name.time_stamp = f"{stamp():%Y-%m-%dT%H:%M:%S}"
     header.file_name.originating_system = header.file_name.preprocessor_version = _program(model)
     header.file_description.description = ("ViewDefinition [DesignTransferView_V1.0]",)
 

@@ -74,7 +74,7 @@ def _vault(fitted: FittedVault, model: Model, points: NDArray[np.float64], devia
     figures = "".join(f"<div><b>{escape(value)}</b><span>{escape(label)}</span></div>" for value, label in facts)
     return (
         f"<header><h1>{escape(vault.title.capitalize())}</h1>"
-        f'<p class="soft">{escape(str(model.scan))} · {model.points:,} points</p></header>'
+        f'<p class="soft">{escape(model.scan.name)} · {model.points:,} points</p></header>'
         f"{_summary(fitted)}"
         f'<div class="figures">{figures}</div>'
         f"{_drawings(fitted, model.thickness_of(fitted), points)}"

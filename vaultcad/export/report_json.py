@@ -24,14 +24,14 @@ SHOWN_AS = {"rad": ("deg", degrees)}  # units that people do not read, and what 
 
 
 def report(model: Model, *, correlations: bool = False) -> dict[str, Any]:
-    """The content of report.json as plain values; everything outside the key "seconds" is reproducible.
+    """The content of report.json as plain values, the same for the same scan and settings.
 
     With `correlations` each vault has those of pose and fitted parameters.
     """
     return {
         "schema": SCHEMA,
         "scan": {
-            "path": str(model.scan),
+            "path": model.scan.name,  # wherever it lies, so that it gives the same bytes there
             "points": int(model.points),
             "bounds": [_row(row) for row in model.bounds],
             "unit": {"name": unit_of(model.unit), "metres": model.unit},
@@ -43,7 +43,6 @@ def report(model: Model, *, correlations: bool = False) -> dict[str, Any]:
         "thickness": _number(model.thickness),
         "notes": [note._asdict() for note in model.notes],
         "vaults": [_vault(fitted, model) | (_correlations(fitted) if correlations else {}) for fitted in model.vaults],
-        "seconds": {stage: round(t, 3) for stage, t in model.seconds.items()},
     }
 
 

@@ -7,11 +7,14 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory, gettempdir
 from typing import TYPE_CHECKING
 
+from segmentation.io.stamp import stamp
 from vaultcad.errors import ExportError
 from vaultcad.export.geometry import masonry
 from vaultcad.export.palette import Colour, colour
+from vaultcad.export.part21 import encoded, in_order, unbroken
 from vaultcad.model import FittedVault, Model, Pose
 
 if TYPE_CHECKING:
@@ -22,7 +25,6 @@ if TYPE_CHECKING:
     from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
 MM = 1000.0
-NO_TIME = "1970-01-01T00:00:00"  # the same model gives the same bytes
 SETTINGS = {"write.step.schema": "AP214IS", "write.step.unit": "MM"}
 
 
@@ -44,13 +46,15 @@ def write_step(model: Model, path: Path) -> None:
     document = TDocStd_Document(TCollection_ExtendedString("XmlOcaf"))
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     assembly = shapes.NewShape()
-    _name(assembly, model.scan.stem)
+    names = [model.scan.stem]
+    _name(assembly, _stand_in(0))
     for k, fitted in enumerate(model.vaults, 1):
         if not fitted.solid:
             continue
         name = fitted.label or (f"{k} {fitted.vault.title}" if len(model.vaults) > 1 else fitted.vault.title)
-        part = _part(shapes, document.Main(), fitted, model.thickness_of(fitted), name)
-        _name(shapes.AddComponent(assembly, part, _location(fitted.pose)), name)
+        part = _part(shapes, document.Main(), fitted, model.thickness_of(fitted), _stand_in(len(names)))
+        _name(shapes.AddComponent(assembly, part, _location(fitted.pose)), _stand_in(len(names)))
+        names.append(name)
     shapes.UpdateAssemblies()
 
     STEPCAFControl_Controller.Init_s()
@@ -60,12 +64,14 @@ def write_step(model: Model, path: Path) -> None:
     writer = STEPCAFControl_Writer()
     writer.SetColorMode(True)
     writer.SetNameMode(True)
-    with _quiet():
-        written = writer.Transfer(document) and writer.Write(str(path)) == IFSelect_RetDone
+    with TemporaryDirectory() as folder, _quiet():  # the translator takes no path that is not UTF-8
+        bare = Path(folder) / "model.step"
+        written = writer.Transfer(document) and writer.Write(str(bare)) == IFSelect_RetDone
+        text = bare.read_text(encoding="ascii") if written else ""
     if not written:
-        raise ExportError(f"{path.name} could not be written as STEP; is there space left in {path.parent}?")
-    text = path.read_text(encoding="utf-8")
-    path.write_text(_tidied(text, model.place, model.versions.get("vaultcad", "")), encoding="ascii", newline="\n")
+        raise ExportError(f"{path.name} could not be written as STEP; is there space left in {gettempdir()}?")
+    tidied = _tidied(text, model.place, model.versions.get("vaultcad", ""), names)
+    path.write_text(tidied, encoding="ascii", newline="\n")
 
 
 def _part(shapes: XCAFDoc_ShapeTool, main: TDF_Label, fitted: FittedVault, thickness: float, name: str) -> TDF_Label:
@@ -144,16 +150,27 @@ def _quiet() -> Iterator[None]:
             printer.SetTraceLevel(level)
 
 
-def _tidied(text: str, place: str, version: str) -> str:
-    r"""In the header the place; fixed values for time and for what the translator counts; names in ASCII.
+def _stand_in(k: int) -> str:
+    """What the translator is told in place of the k-th name, for it knows little of how names are written."""
+    return f"@{k}@"
 
-    The translator counts from the program's start. Strings of a STEP file are ASCII, with other characters as \X2\ and
-    UTF-16 (ISO 10303-21, 6.4.3); the translator writes UTF-8 instead.
+
+def _tidied(text: str, place: str, version: str, names: list[str]) -> str:
+    """In the header the place, and the time of `stamp`; names for their stand-ins; an order that is not left to chance.
+
+    The translator counts occurrences from the program's start, on which the breaks of their lines hang, too.
     """
-    header = f"FILE_NAME('model.step','{NO_TIME}',(''),(''),'vaultcad {version}','vaultcad {version}','');"
+    header = (
+        f"FILE_NAME('model.step','{stamp():%Y-%m-%dT%H:%M:%S}',(''),(''),'vaultcad {version}','vaultcad {version}','');"
+    )
     text = re.sub(r"FILE_NAME\(.*?\);", header, text, count=1, flags=re.DOTALL)
-    told = f"FILE_DESCRIPTION(('coordinates relative to {place.replace(chr(39), 2 * chr(39))}'),'2;1');"
+    told = f"FILE_DESCRIPTION(('coordinates relative to {encoded(place)}'),'2;1');"
     text = re.sub(r"FILE_DESCRIPTION\(.*?\);", lambda _: told, text, count=1, flags=re.DOTALL)
     count = itertools.count(1)
-    text = re.sub(r"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\()'\d+'", lambda found: f"{found[1]}'{next(count)}'", text)
-    return re.sub(r"[^\x00-\x7f]+", lambda found: f"\\X2\\{found[0].encode('utf-16-be').hex().upper()}\\X0\\", text)
+    text = re.sub(
+        r"(NEXT_ASSEMBLY_USAGE_OCCURRENCE\()'\d+'(.*?;)",
+        lambda found: f"{found[1]}'{next(count)}'{unbroken(found[2])}",
+        text,
+        flags=re.DOTALL,
+    )
+    return re.sub(r"'@(\d+)@'", lambda found: f"'{encoded(names[int(found[1])])}'", in_order(text))
