@@ -72,15 +72,10 @@ class Finding:
 # Slowest first, so that the last to finish is a quick one.
 PROBES = (
     Probe("build123d", "build123d", "import build123d", "solids"),
-    Probe("cadquery", "cadquery", "import cadquery", "CadQuery objects"),
-    Probe(
-        "OCP with VTK",
-        "cadquery-ocp",
-        "import OCP.BRepPrimAPI, OCP.IVtkOCC, vtkmodules.vtkCommonCore",
-        "the geometry kernel",
-        rival="cadquery-ocp-novtk",
-    ),
-    Probe("open3d", "open3d", "import open3d", "the virtual scanner"),
+    Probe("cadquery", "cadquery", "import cadquery", "CadQuery objects", optional=True),
+    Probe("OCP", "cadquery-ocp-novtk", "import OCP.BRepPrimAPI", "the geometry kernel"),
+    Probe("open3d", "open3d", "import open3d", "the virtual scanner", optional=True),
+    Probe("plotly", "plotly", "import plotly.graph_objects", "3D views in notebooks", optional=True),
     Probe("trimesh", "trimesh", "import trimesh", "meshes and GLB"),
     Probe("manifold3d", "manifold3d", "import manifold3d", "one body a component"),
     Probe("numba", "numba", "import numba", "compiled loops"),
@@ -94,6 +89,15 @@ PROBES = (
     Probe("typer", "typer", "import typer", "the command line"),
     Probe("rich", "rich", "import rich.progress", "tables and progress bars"),
     Probe("pytest", "pytest", "import pytest", "IFC validation with express rules", optional=True),
+)
+
+# In place of OCP where cadquery is, which does not work without.
+WITH_VTK = Probe(
+    "OCP",
+    "cadquery-ocp",
+    "import OCP.BRepPrimAPI, OCP.IVtkOCC, vtkmodules.vtkCommonCore",
+    "the geometry kernel, with VTK",
+    rival="cadquery-ocp-novtk",
 )
 
 PROGRAMS = (
@@ -118,7 +122,9 @@ def examine(
     libraries first. Raises nothing: what goes wrong is a finding.
     """
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        libraries = pool.map(lambda probe: examine_library(probe, timeout), probes)
+        vtk = _installed("cadquery") or _installed(WITH_VTK.distribution)
+        wanted = [WITH_VTK if vtk and probe.name == WITH_VTK.name else probe for probe in probes]
+        libraries = pool.map(lambda probe: examine_library(probe, timeout), wanted)
         found = pool.map(lambda program: examine_program(program, timeout), programs)
         return [*libraries, *found]
 
@@ -205,13 +211,13 @@ def _installed(distribution: str) -> bool:
 
 
 def _pip(distribution: str, *options: str) -> str:
-    """--no-deps, since build123d would bring the OCP without VTK, which overwrites the one with it."""
+    """--no-deps, since beside cadquery build123d would bring the OCP without VTK, which overwrites the one with it."""
     return " ".join([sys.executable, "-m pip install --no-deps", *options, f"'{_requirement(distribution)}'"])
 
 
 def _requirement(distribution: str) -> str:
     """What is asked for, for example "build123d==0.12.0"; the bare name where nobody says."""
-    for asking in ("vaultcad", "cadquery"):  # it is cadquery that asks for OCP
+    for asking in ("vaultcad", "build123d", "cadquery"):  # the latter ask for OCP
         for requirement in _requires(asking):
             if re.split(r"[^\w.-]", requirement, maxsplit=1)[0] == distribution:
                 return requirement.partition(";")[0].strip()

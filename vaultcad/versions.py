@@ -5,7 +5,8 @@ from __future__ import annotations
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
-NAMED = ("vaultcad", "numpy", "scipy", "numba", "build123d", "cadquery-ocp", "ifcopenshell", "laspy")
+# The proxy is what OCP with VTK and OCP without it have in common, and is of their version.
+NAMED = ("vaultcad", "numpy", "scipy", "numba", "build123d", "cadquery-ocp-proxy", "ifcopenshell", "laspy")
 
 
 def versions() -> dict[str, str]:

@@ -122,5 +122,18 @@ def test_findings_come_in_the_order_of_the_tables(shelf: Shelf):
     assert [finding.name for finding in examine(probes, PROGRAMS)] == ["slow", "quick", *(p.name for p in PROGRAMS)]
 
 
+@pytest.mark.parametrize(("cadquery", "asked"), [(True, "cadquery-ocp"), (False, "cadquery-ocp-novtk")])
+def test_the_kernel_has_vtk_where_cadquery_is(monkeypatch: pytest.MonkeyPatch, cadquery: bool, asked: str):
+    seen: list[str] = []
+    monkeypatch.setattr(doctor, "_installed", lambda distribution: cadquery and distribution == "cadquery")
+    monkeypatch.setattr(doctor, "examine_library", lambda probe, timeout: seen.append(probe.distribution))
+    examine(programs=())
+    assert [distribution for distribution in seen if "ocp" in distribution] == [asked]
+
+
+def test_what_a_fit_does_without_is_optional():
+    assert {"cadquery", "open3d", "plotly"} <= {probe.name for probe in PROBES if probe.optional}
+
+
 def test_everything_that_vaultcad_needs_works_here():
     assert [finding for finding in examine(programs=()) if finding.state != "ok"] == []

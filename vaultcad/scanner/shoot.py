@@ -49,6 +49,8 @@ def aim(mesh: Triangles, rng: np.random.Generator) -> Target:
     """
     try:
         import open3d as o3d
+    except ModuleNotFoundError as error:
+        raise MissingLibraryError(f'vaultcad scan needs {error.name}: pip install "vaultcad[scanner]"') from error
     except (ImportError, OSError) as error:
         raise MissingLibraryError(
             f"the virtual scanner needs open3d, which does not load here ({error}); "
