@@ -1,6 +1,7 @@
 """Files that appear whole or not at all."""
 
 import os
+import secrets
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,16 +20,18 @@ LITTLE = 1 << 20
 def replacing(path: Path) -> Iterator[Path]:
     """A path beside `path`, of the same suffix, to write to; it takes the place of `path` at the end.
 
-    If the body raises, it is removed and what was at `path` stays as it was. Raises WriteError, see `writing`.
+    It is a new, empty file whose name nobody can foresee, so that no link of a stranger's is followed. If the body
+    raises, it is removed and what was at `path` stays as it was. Raises WriteError, see `writing`.
     """
-    beside = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    beside = path.with_name(f".vaultcad-{secrets.token_hex(8)}{path.suffix}")
     announce(beside)
-    try:
-        with writing(path):
+    with writing(path):
+        os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        try:
             yield beside
             os.replace(beside, path)
-    finally:
-        beside.unlink(missing_ok=True)
+        finally:
+            beside.unlink(missing_ok=True)
 
 
 @contextmanager

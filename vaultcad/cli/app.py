@@ -16,6 +16,7 @@ from typer.core import TyperCommand, TyperGroup
 from typer.main import get_command
 
 from segmentation.errors import ReadError, WriteError
+from vaultcad.caches import find_caches
 from vaultcad.cli.errors import InputError
 from vaultcad.cli.supervise import StoppedError, supervised
 from vaultcad.errors import VaultcadError
@@ -83,6 +84,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):  # names of files are bytes, and need not be text of this terminal
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
+    find_caches()
     if arguments is not None or os.environ.get(DEBUG):
         return _run(list(sys.argv[1:] if arguments is None else arguments))
     try:

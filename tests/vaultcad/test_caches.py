@@ -1,0 +1,69 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from vaultcad.caches import find_caches
+
+ROOM = Path(__file__).parents[2] / "examples" / "room.laz"
+NOWHERE = "/proc/nonexistent"
+
+
+@pytest.fixture
+def homeless(tmp_path, monkeypatch):
+    """An account whose home cannot be made; where temporary files go."""
+    monkeypatch.setenv("HOME", NOWHERE)
+    monkeypatch.setattr("tempfile.gettempdir", lambda: str(tmp_path))
+    for name in ("XDG_CACHE_HOME", "MPLCONFIGDIR"):
+        monkeypatch.setenv(name, "kept, so that it is put back")
+        monkeypatch.delenv(name)
+    return tmp_path
+
+
+def test_where_there_is_no_home_a_private_folder_is_named(homeless):
+    find_caches()
+    folder = Path(os.environ["XDG_CACHE_HOME"])
+    assert folder.parent == homeless
+    assert folder.stat().st_mode & 0o777 == 0o700
+    assert Path(os.environ["MPLCONFIGDIR"]).parent == folder
+
+
+def test_the_same_folder_serves_again(homeless):
+    find_caches()
+    first = os.environ.pop("XDG_CACHE_HOME")
+    find_caches()
+    assert os.environ["XDG_CACHE_HOME"] == first
+
+
+@pytest.mark.parametrize("trap", ["link", "open to all"])
+def test_what_a_stranger_may_write_to_is_not_taken(trap, homeless):
+    planted = homeless / f"vaultcad-{os.geteuid()}"
+    if trap == "link":
+        (homeless / "theirs").mkdir()
+        planted.symlink_to(homeless / "theirs")
+    else:
+        planted.mkdir()
+        planted.chmod(0o777)
+    find_caches()
+    assert Path(os.environ["XDG_CACHE_HOME"]) != planted
+
+
+def test_where_there_is_a_home_nothing_changes(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    find_caches()
+    assert "XDG_CACHE_HOME" not in os.environ
+
+
+def test_a_fit_without_home_and_beside_code_that_is_read_only_says_nothing_of_caches(tmp_path):
+    locator = "UserWideCacheLocator"
+    environment = {"PATH": os.environ["PATH"], "HOME": NOWHERE, "TMPDIR": str(tmp_path)}
+    environment |= {"NUMBA_CACHE_LOCATOR_CLASSES": locator, "PYTHONPATH": os.pathsep.join(sys.path)}
+    code = "import sys; from vaultcad.cli import main; sys.exit(main())"
+    command = [sys.executable, "-c", code, "fit", str(ROOM), "-o", str(tmp_path / "out"), "--review"]
+    run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    assert run.stderr.count("\n") == 1
+    assert "unit: metre" in run.stderr
