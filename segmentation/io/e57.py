@@ -1,5 +1,6 @@
 """E57 (ASTM E2807), read in chunks by the library under pye57: all scans, each by its pose."""
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -55,7 +56,7 @@ def read_e57(path: Path, facts: Facts) -> Iterator[Chunk]:
     if more:
         tell_damaged(facts, "; ".join(more))
     try:
-        image = libe57.ImageFile(str(path), "r")
+        image = libe57.ImageFile(os.fsencode(path), "r")
     except Exception as error:
         raise _damaged(path, error) from error
     try:

@@ -1,5 +1,6 @@
 """E57: one scan without a pose, coordinates in double precision."""
 
+import os
 import re
 import uuid
 from collections.abc import Mapping
@@ -39,7 +40,7 @@ def write_e57(path: Path, cloud: Cloud, extra: Mapping[str, NDArray[Any]]) -> No
     bad = next((name for name in extra if not re.fullmatch(r"[A-Za-z_][\w.-]*", name, re.ASCII)), None)
     if bad is not None:
         raise ValueError(f"{bad!r} cannot name a field of E57: use letters, digits, '_', '-' and '.'")
-    image = libe57.ImageFile(str(path), "w")
+    image = libe57.ImageFile(os.fsencode(path), "w")
     try:
         runs = columns_of(cloud, extra)
         first = next(runs)
