@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory, gettempdir
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from segmentation.io.stamp import stamp
@@ -15,6 +15,7 @@ from vaultcad.errors import ExportError
 from vaultcad.export.geometry import masonry
 from vaultcad.export.palette import Colour, colour
 from vaultcad.export.part21 import encoded, in_order, unbroken
+from vaultcad.legible import legible
 from vaultcad.model import FittedVault, Model, Pose
 
 if TYPE_CHECKING:
@@ -64,12 +65,14 @@ def write_step(model: Model, path: Path) -> None:
     writer = STEPCAFControl_Writer()
     writer.SetColorMode(True)
     writer.SetNameMode(True)
-    with TemporaryDirectory() as folder, _quiet():  # the translator takes no path that is not UTF-8
+    # The translator takes no path that is not UTF-8.
+    text_only = legible(path.parent) == path.parent
+    with TemporaryDirectory(dir=path.parent if text_only else None) as folder, _quiet():
         bare = Path(folder) / "model.step"
         written = writer.Transfer(document) and writer.Write(str(bare)) == IFSelect_RetDone
         text = bare.read_text(encoding="ascii") if written else ""
     if not written:
-        raise ExportError(f"{path.name} could not be written as STEP; is there space left in {gettempdir()}?")
+        raise ExportError(f"{path.name} could not be written as STEP; is there space left in {path.parent}?")
     tidied = _tidied(text, model.place, model.versions.get("vaultcad", ""), names)
     path.write_text(tidied, encoding="ascii", newline="\n")
 
