@@ -89,6 +89,7 @@ REFUSED = {
     "text with 0x10": (".xyz", ROWS + "0x10 2 3\n", "is no row of numbers"),
     "text with foreign digits": (".xyz", ROWS + "\u0663 2 3\n", "is no row of numbers"),
     "text with a count in the middle": (".xyz", ROWS + "99\n" + ROWS[:60].rsplit("\n", 1)[0] + "\n", "is truncated"),
+    "ply of another property": (".ply", ply().replace(b"float z", b"short z") + BODY, "are no lengths on earth"),
     "ptx of 10^26 beams": (".ptx", ptx("1" + "0" * 26 + "\n1\n"), "no whole PTX header"),
     "ptx of 10^12 beams": (".ptx", ptx("1" + "0" * 12 + "\n1\n"), "is truncated"),
     "ptx of 1e2 beams": (".ptx", ptx("1e2\n1\n"), "no whole PTX header"),
@@ -98,7 +99,6 @@ REFUSED = {
 TOLD = {
     "ply with bytes behind": (".ply", ply() + BODY + bytes(12), "damaged", "12 bytes follow"),
     "ply with fewer promised": (".ply", ply(count=N - 1) + BODY, "damaged", "12 bytes follow"),
-    "ply of another property": (".ply", ply().replace(b"float z", b"short z") + BODY, "damaged", "120 bytes follow"),
     "ply without its faces": (".ply", ply(after=faces(2)) + BODY + TRIANGLE, "damaged", "the 2 records of 'face'"),
     "ply with a face more": (".ply", ply(after=faces(2)) + BODY + 3 * TRIANGLE, "damaged", "13 bytes follow"),
     "ply with various faces": (".ply", ply(after=faces(2)) + BODY + SQUARE + TRIANGLE + b"\1", "damaged", "1 byte"),

@@ -47,7 +47,7 @@ def write_ifc(model: Model, path: Path) -> None:
         "IfcRelContainedInSpatialStructure", "in storey", ("RelatingStructure", storey), ("RelatedElements", roofs)
     )
     # Its own writer stops on a full disk in the middle without a word, and takes no path that is not UTF-8.
-    path.write_text(author.file.to_string(), encoding="utf-8", newline="\n")
+    path.write_text(author.text(), encoding="utf-8", newline="\n")
 
 
 def _header(author: Author, model: Model) -> None:

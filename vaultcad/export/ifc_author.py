@@ -33,15 +33,28 @@ class Author:
         import ifcopenshell
 
         self.file = ifcopenshell.file(schema="IFC4")
+        self._made: list[Entity] = []
         self.seed = seed
         self.axes = self.make("IfcAxis2Placement3D", Location=self.point(0.0, 0.0, 0.0))
         self._styles: dict[Colour, Entity] = {}
         self._units()
         self._contexts()
 
+    def text(self) -> str:
+        """The file as it is written; to be asked for once, as nothing is left in it then.
+
+        ifcopenshell 0.9 never gives back what its entities hold, so they are emptied.
+        """
+        text = str(self.file.to_string())
+        for entity in self._made:
+            for k in range(len(entity)):
+                entity[k] = None
+        return text
+
     def make(self, kind: str, *values: Any, **attributes: Any) -> Entity:
         """An entity that has no identity of its own, or a typed value."""
-        return self.file.create_entity(kind, *values, **attributes)
+        self._made.append(self.file.create_entity(kind, *values, **attributes))
+        return self._made[-1]
 
     def root(self, kind: str, key: str, **attributes: Any) -> Entity:
         """An entity with a GlobalId that follows from the file's seed and `key`, which must be unique in the file."""
