@@ -41,7 +41,7 @@ def test_every_file_of_a_fit_is_the_same_in_another_folder_on_other_cores_in_oth
     fit(ROOM, tmp_path / "one", cores=1, points=1_000_000)
     fit(other, tmp_path / "two", cores=2, points=70_001)
     one, two = ({path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in ("one", "two"))
-    assert len(one) == 8
+    assert len(one) == 9
     assert [name for name in one if one[name] != two.get(name)] == []
 
 
@@ -70,5 +70,5 @@ def test_a_scan_whose_name_is_no_text_is_fitted(tmp_path):
         [sys.executable, "-c", FIT, "2", "1000000", "fit", scan, "-o", out], capture_output=True, check=False
     )
     assert run.returncode == 0, run.stderr
-    assert len(list(out.iterdir())) == 7
+    assert len(list(out.iterdir())) == 8
     assert "Gew\ufffdlbe" in (out / "report.json").read_text(encoding="utf-8")

@@ -15,7 +15,7 @@ def show_summary(model: Model, out: Path) -> None:
     """The vaults of a model, and the files of its folder, on standard output."""
     for fitted in model.vaults:
         show_table(("", ""), _rows(fitted, float(model.origin[2])))
-    typer.echo(f"{out}: {', '.join(sorted(path.name for path in out.iterdir()))}")
+    typer.echo(f"{out}: {', '.join(sorted(path.name for path in out.iterdir() if not path.name.startswith('.')))}")
 
 
 def _rows(fitted: FittedVault, up: float) -> Iterator[tuple[str, str]]:

@@ -13,9 +13,10 @@ from segmentation import read
 from vaultcad import pipeline
 from vaultcad.cli.fit import STAGES
 from vaultcad.export.bundle import REVIEW, SEGMENTS, WRITERS
+from vaultcad.export.folder import MARKER
 from vaultcad.scanner import read_truth
 
-FILES = {REVIEW, SEGMENTS, *WRITERS}
+FILES = {MARKER, REVIEW, SEGMENTS, *WRITERS}
 
 
 @pytest.fixture(scope="module")
@@ -82,6 +83,9 @@ def test_an_earlier_result_is_replaced_and_can_be_printed_as_json(run, fitted, r
     (out / "model.step").write_text("old")
     (out / "notes.txt").write_text("mine")
     told = run("fit", room, "-o", out, "--family", "sail", "--json")
+    assert told.code == 2
+    assert "model.step was changed since it was written and would be lost" in told.err
+    told = run("fit", room, "-o", out, "--family", "sail", "--json", "--force")
     assert (told.code, told.err) == (0, assumed)
     assert told.out == (out / "report.json").read_text()
     assert (out / "model.step").read_text() != "old"
