@@ -85,7 +85,7 @@ def assemble(
     where = origin_of(path, facts, np.sort(turn(corners * scale, up), axis=0), asked=origin)
     _tell_marked(facts, marked, keep_marked)
     _tell_dropped(facts, sum(map(len, points)) - sum(len(p.xyz) for p in parts), sum(map(len, points)))
-    tell_zeros(facts, [p.xyz for p in parts], taken)
+    tell_zeros(facts, [p.xyz for p in parts], taken, corners)
     parts = [replace(p, normals=normals) for p, normals in zip(parts, unit_normals(facts, parts), strict=True)]
 
     places = np.concatenate(points)

@@ -36,12 +36,12 @@ def check_records(path: Path, xml: bytes) -> list[str]:
         ReadError: a scan has fewer records than its count, or is not where the XML says.
     """
     found = []
-    with path.open("rb") as file:
+    with path.open("rb", buffering=0) as file:  # a few bytes of each packet
         for number, scan in enumerate(_scans(path, xml), 1):
             if scan.count == 0:
                 continue
             try:
-                lengths, packets = _streams(file, scan.at)
+                lengths, packets = _streams(file, scan.at, len(scan.bits))
             except (struct.error, ValueError, OverflowError, OSError):
                 wrong = f"is no whole E57 file (the points of scan {number} are not where it says)"
                 raise ReadError(path, wrong, COPY_AGAIN) from None
@@ -107,8 +107,11 @@ def _bits(field: Xml.Element) -> int:
     return max(high - low, 0).bit_length()
 
 
-def _streams(file: BinaryIO, at: int) -> tuple[list[int], int]:
-    """Bytes of each stream of the section at a place of the file, over all packets, and how many packets there are."""
+def _streams(file: BinaryIO, at: int, fields: int) -> tuple[list[int], int]:
+    """Bytes of each stream of the section at a place of the file, over all packets, and how many packets there are.
+
+    fields: how many streams are expected.
+    """
     start = _logical(at)
     kind, length, data, _ = SECTION.unpack(_read(file, start, SECTION.size))
     if kind != POINTS:
@@ -117,9 +120,12 @@ def _streams(file: BinaryIO, at: int) -> tuple[list[int], int]:
     lengths: list[int] = []
     packets = 0
     while at < end:
-        kind, _, size, streams = PACKET.unpack(_read(file, at, PACKET.size))
+        head = _read(file, at, PACKET.size + 2 * fields)
+        kind, _, size, streams = PACKET.unpack_from(head)
         if kind == DATA:
-            found = struct.unpack(f"<{streams}H", _read(file, at + PACKET.size, 2 * streams))
+            if streams > fields:
+                head = _read(file, at, PACKET.size + 2 * streams)
+            found = struct.unpack_from(f"<{streams}H", head, PACKET.size)
             lengths = [a + b for a, b in zip(lengths, found, strict=True)] if packets else list(found)
             packets += 1
         at += size + 1

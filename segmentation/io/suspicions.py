@@ -21,8 +21,13 @@ UNIT = 0.02
 """What the length of a normal may be off 1, as those are that are kept in bytes."""
 
 
-def tell_zeros(facts: Facts, parts: Sequence[Floats], taken: Sequence[Mask]) -> None:
-    """Say how many of the points (k, 3) that take part are 0, 0, 0 in the file, if it is more than a few."""
+def tell_zeros(facts: Facts, parts: Sequence[Floats], taken: Sequence[Mask], corners: NDArray[np.float64]) -> None:
+    """Say how many of the points (k, 3) that take part are 0, 0, 0 in the file, if it is more than a few.
+
+    corners: (2, 3) of those that take part.
+    """
+    if (corners[0] > 0).any() or (corners[1] < 0).any():
+        return
     zeros = 0
     for part, used in zip(parts, taken, strict=True):
         there = np.flatnonzero(part[:, 0] == 0)
