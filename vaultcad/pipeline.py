@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
@@ -28,6 +27,7 @@ from vaultcad.label import Labels, label
 from vaultcad.legible import legible
 from vaultcad.level import lean_of
 from vaultcad.model import Component, Deviation, FittedVault, Model
+from vaultcad.one_thread import one_thread
 from vaultcad.recognise import confidence
 from vaultcad.search import Found, find_vaults
 from vaultcad.site import Site, Thin, thin_scan
@@ -76,7 +76,7 @@ class Result:
         return notebook.of_result(self)
 
 
-@threadpool_limits.wrap(limits=1, user_api="blas")  # whose sums round by the number of threads
+@one_thread
 def fit_scan(cloud: Cloud, settings: Settings = Settings(), *, progress: Progress = lambda stage: None) -> Result:
     """Find, recognise, fit and measure the vaults in a scan.
 

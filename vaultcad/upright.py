@@ -11,10 +11,12 @@ from families import FAMILIES, Vault
 from segmentation.cloud import AXES, Cloud, Up, stood_up, turn
 from vaultcad.errors import NoVaultError
 from vaultcad.no_vault import on_vault
+from vaultcad.one_thread import one_thread
 from vaultcad.search import Found, find_vaults
 from vaultcad.site import Thin, thin_scan
 
 
+@one_thread
 def stand_up(cloud: Cloud, rng: np.random.Generator, *, families: Sequence[type[Vault]] = FAMILIES) -> Cloud:
     """The cloud with that axis of its file up on which the vaults explain the most of it; they are looked for on all.
 

@@ -30,6 +30,14 @@ def test_where_there_is_no_home_a_private_folder_is_named(homeless):
     assert Path(os.environ["MPLCONFIGDIR"]).parent == folder
 
 
+def test_without_a_home_no_folder_is_made_where_one_is(homeless, monkeypatch, tmp_path):
+    monkeypatch.setattr("os.path.expanduser", lambda path: path)
+    monkeypatch.chdir(tmp_path)
+    find_caches()
+    assert Path(os.environ["XDG_CACHE_HOME"]).is_absolute()
+    assert not (tmp_path / "~").exists()
+
+
 def test_the_same_folder_serves_again(homeless):
     find_caches()
     first = os.environ.pop("XDG_CACHE_HOME")

@@ -13,6 +13,7 @@ import pytest
 from segmentation.errors import WriteError
 from vaultcad.errors import ExportError
 from vaultcad.export import exchange as module
+from vaultcad.export import folder
 from vaultcad.export.folder import MARKER, UNFINISHED, check_target, clear, replacing_folder
 
 FILES = ("model.ifc", "report.json", "segments.laz")
@@ -144,22 +145,23 @@ def test_of_two_that_write_at_once_one_is_there_whole(tmp_path):
 
 def test_what_a_dead_process_left_is_taken_away_and_what_a_living_one_makes_is_not(tmp_path):
     out = tmp_path / "out"
-    old = tmp_path / ".out.4711.part"  # as versions before the marker named it
-    old.mkdir()
-    (old / "model.step").write_text("half")
-    half = tmp_path / ".out.0123.part"
-    half.mkdir()
-    (half / UNFINISHED).touch()
-    strange = tmp_path / ".out.mine.part"
-    strange.mkdir()
-    (strange / "thesis.doc").write_text("mine")
-    other = tmp_path / ".outer.0123.part"
-    other.mkdir()
+    theirs = [".out.backup.part", ".out.11.part", ".outer.0123456789abcdef.part", ".out.fedcba9876543210.part"]
+    for name, file, content in (
+        (".out.4711.part", "model.step", "half"),  # as versions before the marker named it
+        (".out.0123456789abcdef.part", UNFINISHED, ""),
+        (".out.0123456789abcdef.gone.part", "thesis.doc", "that of which another name is there"),
+        (theirs[0], "model.ifc", "mine"),
+        (theirs[1], "thesis.doc", "mine"),
+        (theirs[2], UNFINISHED, ""),
+        (theirs[3], UNFINISHED, "another computer"),
+    ):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / file).write_text(content)
     with replacing_folder(out) as place:
         clear(out)
-        assert listing(tmp_path) == sorted([".out.mine.part", ".outer.0123.part", place.part.name])
+        assert listing(tmp_path) == sorted([*theirs, place.part.name])
         (place.part / "report.json").write_text(REPORT % "new")
-    assert listing(tmp_path) == [".out.mine.part", ".outer.0123.part", "out"]
+    assert listing(tmp_path) == sorted([*theirs, "out"])
 
 
 def test_what_others_add_while_it_changes_places_is_not_lost(tmp_path, monkeypatch):
@@ -177,6 +179,72 @@ def test_what_others_add_while_it_changes_places_is_not_lost(tmp_path, monkeypat
     assert words(out) == {REPORT % "new"}
     assert (out / "late.txt").read_text() == "mine"
     assert listing(tmp_path) == ["out"]
+
+
+def test_what_a_person_changed_is_never_lost_whenever_the_process_dies(tmp_path):
+    for count in range(1000):
+        place = tmp_path / f"{count}"
+        place.mkdir()
+        write(place / "out", "old")
+        (place / "out" / "model.ifc").write_text("with a wall more")
+        ended = in_child(lambda count=count, out=place / "out": dying_at(count, lambda: write(out, "new")))
+        write(place / "out", "next")
+        assert words(place / "out") == {REPORT % "next"}
+        assert "with a wall more" in {path.read_text() for path in place.glob("out-before-*/model.ifc")}
+        if ended == 0:
+            break
+    assert count > 20
+
+
+def test_what_a_person_changes_while_it_changes_places_is_kept(tmp_path, monkeypatch):
+    out = tmp_path / "out"
+    write(out, "old")
+    carry = folder._carry_along
+
+    def late(source, part):
+        carry(source, part)
+        (source / "model.ifc").write_text("with a wall more")
+
+    monkeypatch.setattr(folder, "_carry_along", late)
+    assert (write(out, "new").kept / "model.ifc").read_text() == "with a wall more"
+
+
+def test_a_file_of_somebody_elses_does_not_come_over_ours_by_its_date(tmp_path):
+    out = tmp_path / "out"
+    write(out, "old")
+    (out / "review.png").write_text("mine")
+    os.utime(out / "review.png", (4e9, 4e9))
+    write(out, "new", names=[*FILES, "review.png"], force=True)
+    assert words(out, [*FILES, "review.png"]) == {REPORT % "new"}
+    check_target(out, FILES)
+
+
+def test_a_result_that_may_not_be_written_to_is_replaced(tmp_path):
+    out = tmp_path / "out"
+    write(out, "old")
+    (out / "notes.txt").write_text("mine")
+    out.chmod(0o555)
+    write(out, "new")
+    assert words(out) == {REPORT % "new"}
+    assert (out / "notes.txt").read_text() == "mine"
+    assert out.stat().st_mode & 0o777 == 0o555
+    assert listing(tmp_path) == ["out"]
+
+
+def test_what_cannot_have_two_names_goes_along_too(tmp_path, monkeypatch):
+    out = tmp_path / "out"
+    write(out, "old")
+    (out / "photos").mkdir()
+    os.mkfifo(out / "photos" / "pipe")
+    (out / "photos" / "link").symlink_to("nowhere")
+    monkeypatch.setattr(os, "link", lambda *a, **k: (_ for _ in ()).throw(OSError(errno.EPERM, "no")))
+    write(out, "new")
+    assert sorted(path.name for path in (out / "photos").iterdir()) == ["link", "pipe"]
+
+
+def test_a_name_that_is_too_long_is_refused_before_the_work(tmp_path):
+    with pytest.raises(ExportError, match="the name is too long"):
+        check_target(tmp_path / ("o" * 240), FILES)
 
 
 def test_what_a_person_changed_is_refused_and_replaced_by_force(tmp_path):
@@ -284,13 +352,16 @@ def test_an_exchange_that_the_system_refuses_leaves_all_as_it_was(tmp_path, monk
         raise OSError(errno.EBUSY, "Device or resource busy")
 
     monkeypatch.setattr("vaultcad.export.folder.exchange", refuses)
-    with pytest.raises(WriteError, match="busy"):
+    with pytest.raises(
+        ExportError, match=r"cannot be replaced \(Device or resource busy\): the new result is in .*new-1"
+    ):
         write(out, "new")
     assert words(out) == {REPORT % "old"}
-    assert listing(tmp_path) == ["out"]
+    assert words(tmp_path / "out-new-1") == {REPORT % "new"}
+    assert listing(tmp_path) == ["out", "out-new-1"]
 
 
-def test_files_on_a_system_without_links_are_copied(tmp_path, monkeypatch):
+def test_files_on_a_system_without_links_go_along(tmp_path, monkeypatch):
     out = tmp_path / "out"
     STATES["a result with other files"](out)
     monkeypatch.setattr(os, "link", lambda *a, **k: (_ for _ in ()).throw(OSError(errno.EPERM, "no")))

@@ -8,7 +8,10 @@ from __future__ import annotations
 
 import json
 import os
+import platform
+import re
 import shutil
+import time
 from collections.abc import Collection, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
@@ -22,12 +25,16 @@ from vaultcad.errors import ExportError
 from vaultcad.export.exchange import SWAPPED, exchange, locked, settle, sync_folder
 
 MARKER = ".vaultcad.json"
-UNFINISHED = ".unfinished"  # in a folder that has never been a result's
+UNFINISHED = ".unfinished"  # in a folder that has never been a result's; names the computer that writes it
 ENDING = ".part"  # of the names of such folders
 GONE = ".gone"  # before that ending, of those of which nothing is to be kept
 REPORT = "report.json"
 UNMARKED = (REPORT, "report.html", "model.step", "model.ifc", "model.glb", "model.wld", "segments.laz")
 """What is ours in results from the time before the marker, which are known by their report."""
+OLD_PART = re.compile(r"\d+")  # what then stood between name and ending: the number of the process
+PART = re.compile(r"[0-9a-f]{16}")  # and what stands there now
+ROOM, NAME_MAX = 32, 255  # bytes of a name that these take, and that most file systems allow
+DAY = 86_400.0  # s
 Sums = dict[str, str | None]  # names of our files and their SHA-256; None where no marker tells it
 
 
@@ -45,13 +52,15 @@ def check_target(out: Path, names: Collection[str], *, force: bool = False) -> N
     Raises:
         ExportError: something else is there, or, without `force`, what would be lost; names it and the way out.
     """
+    real = _real(out)
+    if len(os.fsencode(real.name)) + ROOM > _longest_name(real.parent):
+        raise ExportError(f"{out}: the name is too long; name a folder with a shorter one with -o")
     if not out.exists():
         return
     if not out.is_dir():
         raise ExportError(f"{out} is a file; name a folder for the result with -o")
-    real = _real(out)
-    if os.path.ismount(real) or _real(Path()).is_relative_to(real):
-        what = "where a disk is mounted" if os.path.ismount(real) else "the folder that you are in"
+    if _is_mounted(real) or _real(Path()).is_relative_to(real):
+        what = "where a disk is mounted" if _is_mounted(real) else "the folder that you are in"
         raise ExportError(f"{out} is {what} and cannot be replaced as a whole; name a folder in it, as {out}/result")
     if _ours(real) is None and any(real.iterdir()):
         raise ExportError(f"{out} holds other files and no earlier result; name a new or empty folder with -o")
@@ -69,7 +78,7 @@ def replacing_folder(out: Path, *, force: bool = False) -> Iterator[Place]:
     result is given up; else that one is kept, under another name.
 
     Raises:
-        ExportError: no folder can be made there.
+        ExportError: no folder can be made there, or it cannot take the place of `out` and is beside it, which is said.
         WriteError: the disk is full, or the system refuses for another reason.
     """
     out = _real(out)
@@ -84,13 +93,16 @@ def replacing_folder(out: Path, *, force: bool = False) -> Iterator[Place]:
                 _mark(place.part)
                 settle(place.part)
             with writing(out), locked(out.parent):
-                lost = () if force else _lost(out, [path.name for path in place.part.iterdir()])
+                mode = out.stat().st_mode & 0o7777 if out.exists() else None
                 _carry_along(out, place.part)
                 (place.part / UNFINISHED).unlink()
-                _take_place(place.part, out)
+                if mode is not None:
+                    place.part.chmod(mode | 0o700)
                 done = True
-                if lost:
-                    place.kept = _keep(place.part, out)
+                _take_place(place.part, out)
+                if mode is not None:
+                    place.kept = _retire(place.part, out, force=force)
+                    out.chmod(mode)
         clear(out)
     finally:
         if not done:
@@ -107,38 +119,54 @@ def clear(out: Path) -> None:
         return
     with locked(out.parent) as alone:
         for part in sorted(out.parent.iterdir()) if alone else ():
-            if part.suffix == ENDING and target(part) == out and part.is_dir() and not part.is_symlink():
+            if target(part) == out and part.is_dir() and not part.is_symlink():
                 with locked(part, wait=False) as dead:
-                    if dead:
+                    if dead and not _is_elsewhere(part):
                         _clear(part, out)
 
 
-def target(part: Path) -> Path:
-    """Whose place a folder was to take, by its name."""
-    return part.parent / part.stem.removesuffix(GONE).removesuffix(SWAPPED).rpartition(".")[0][1:]
+def target(part: Path) -> Path | None:
+    """Whose place a folder was to take, by its name; None if it is no such folder."""
+    name, _, token = part.stem.removesuffix(SWAPPED).removesuffix(GONE).rpartition(".")
+    ours = part.suffix == ENDING and name[:1] == "." and (PART.fullmatch(token) or OLD_PART.fullmatch(token))
+    return part.with_name(name[1:]) if ours and name[1:] else None
 
 
 def _clear(part: Path, out: Path) -> None:
     ours = _ours(part)
     there = {path.name for path in part.iterdir()}
-    if UNFINISHED not in there and not part.stem.endswith(GONE):
-        if ours is not None and {*ours} <= there and not out.exists():
-            os.rename(part, out)  # the process died while they changed places
-            return
-        strange = there - {*(UNMARKED if ours is None else ours)}
-        if strange and (ours is None or not out.is_dir()):
-            return
-        for name in sorted(strange):
-            _give_back(part / name, out / name)
+    if UNFINISHED in there or part.stem.endswith(GONE):
+        _discard(part)
+    elif ours is not None and {*ours} <= there and not out.exists():
+        os.rename(part, out)  # the process died while they changed places
+    elif ours is not None and out.is_dir():
+        _retire(part, out)
+    elif OLD_PART.fullmatch(part.stem.rpartition(".")[2]) and there <= {*UNMARKED, "review.png"}:
+        _discard(part)
+    elif not there:
+        part.rmdir()
+
+
+def _retire(part: Path, out: Path, *, force: bool = False) -> Path | None:
+    """Do away with a result that another has taken the place of; where it is kept, if a person had changed it."""
+    new = _ours(out) or {}
+    if not force and _lost(part, new):
+        return _named(part, out.with_name(f"{out.name}-before"))
+    settled = {*(_ours(part) or {}), *new}
+    for path in sorted(part.iterdir()):
+        if path.name not in settled:
+            _give_back(path, out / path.name)
     _discard(part)
+    return None
 
 
 def _discard(part: Path) -> None:
     """Remove a folder; its name says so first, for whoever finds the half of it."""
     gone = part if part.stem.endswith(GONE) else part.with_name(f"{part.stem}{GONE}{ENDING}")
     with suppress(OSError):
+        part.chmod(0o700)
         os.rename(part, gone)
-    shutil.rmtree(gone, ignore_errors=True)
+    shutil.rmtree(gone if gone.exists() else part, ignore_errors=True)
 
 
 def _make(part: Path, out: Path, made: list[Path], locks: ExitStack) -> None:
@@ -151,12 +179,32 @@ def _make(part: Path, out: Path, made: list[Path], locks: ExitStack) -> None:
         announce(part)
         with locked(out.parent):
             part.mkdir()
-            (part / UNFINISHED).touch()
+            (part / UNFINISHED).write_text(platform.node(), encoding="utf-8")
             locks.enter_context(locked(part))
-        if out.exists():
-            part.chmod(out.stat().st_mode & 0o7777)
     except OSError as error:
         raise ExportError(f"{out} cannot be made ({error.strerror}); name another folder with -o") from error
+
+
+def _is_elsewhere(part: Path) -> bool:
+    """Whether another computer may be writing to it: its locks need not be seen here."""
+    with suppress(OSError):
+        told = (part / UNFINISHED).read_text(encoding="utf-8", errors="replace")
+        return told not in ("", platform.node()) and time.time() - part.stat().st_mtime < DAY
+    return False
+
+
+def _is_mounted(folder: Path) -> bool:
+    """Whether a disk, or a folder from elsewhere, is mounted there."""
+    if os.path.ismount(folder):
+        return True
+    with suppress(OSError):  # where there is such a list, one mounted from the same disk stands in it alone
+        mounts = Path("/proc/self/mountinfo").read_bytes().splitlines()
+        return any(_unescaped(line.split()[4]) == os.fsencode(folder) for line in mounts)
+    return False
+
+
+def _unescaped(name: bytes) -> bytes:
+    return re.sub(rb"\\([0-7]{3})", lambda found: bytes([int(found[1], 8)]), name)
 
 
 def _mark(part: Path) -> None:
@@ -177,50 +225,58 @@ def _ours(folder: Path) -> Sums | None:
     """Which files of a folder are ours; None if it is no result."""
     with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
         files = json.loads((folder / MARKER).read_text(encoding="utf-8"))["files"]
-        return {MARKER: None} | {str(name): str(told) for name, told in files.items()}
+        return {MARKER: None} | {str(name): told and str(told) for name, told in files.items()}
     with suppress(OSError, ValueError, AttributeError):
         if json.loads((folder / REPORT).read_text(encoding="utf-8")).get("schema") == 1:
             return {name: None for name in UNMARKED if (folder / name).exists()}
     return None
 
 
-def _lost(out: Path, names: Collection[str]) -> list[tuple[str, str]]:
-    """What would be lost if a result of these files took the place of `out`, each with the reason."""
-    ours = (_ours(out) or {}) if out.is_dir() else {}
-    changed = [n for n, told in ours.items() if told and os.path.lexists(out / n) and _sum(out / n) != told]
-    strange = [n for n in sorted({*names} - {*ours}) if os.path.lexists(out / n)]
+def _lost(folder: Path, names: Collection[str]) -> list[tuple[str, str]]:
+    """What would be lost if a result of these files took the place of one, each with the reason."""
+    ours = (_ours(folder) or {}) if folder.is_dir() else {}
+    changed = [n for n, told in ours.items() if told and os.path.lexists(folder / n) and _sum(folder / n) != told]
+    strange = [n for n in sorted({*names} - {*ours}) if os.path.lexists(folder / n)]
     return [(n, "was changed since it was written") for n in changed] + [
         (n, "is not of the earlier result") for n in strange
     ]
 
 
 def _carry_along(out: Path, part: Path) -> None:
-    """What others have put into `out` is in `part` too; their files are there once, under two names."""
+    """What others have put into `out` is in `part` too; their files are there once, under two names.
+
+    What cannot have two names moves later, see `_retire`.
+    """
     if not out.is_dir():
         return
     settled = {*(_ours(out) or {}), *(path.name for path in part.iterdir())}
     for path in sorted(out.iterdir()):
-        if path.name in settled:
-            continue
-        if path.is_dir() and not path.is_symlink():
-            shutil.copytree(path, part / path.name, symlinks=True, copy_function=_link)
-        else:
-            _link(path, part / path.name)
+        if path.name not in settled:
+            with suppress(OSError):
+                _link(path, part / path.name)
 
 
-def _link(path: str | Path, to: str | Path) -> None:
-    try:
+def _link(path: Path, to: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        to.mkdir()
+        shutil.copystat(path, to)
+        for inner in sorted(path.iterdir()):
+            _link(inner, to / inner.name)
+    else:
         os.link(path, to, follow_symlinks=False)
-    except OSError:  # a file system without, or a file of somebody else's
-        shutil.copy2(path, to, follow_symlinks=False)
 
 
 def _take_place(part: Path, out: Path) -> None:
     """Afterwards `out` is what `part` was, and `part`, if there was one, what `out` was."""
-    if out.exists():
-        exchange(part, out)
-    else:
-        os.rename(part, out)
+    try:
+        if out.exists():
+            exchange(part, out)
+        else:
+            os.rename(part, out)
+    except OSError as error:
+        beside = _named(part, out.with_name(f"{out.name}-new"))
+        why = f"{out} cannot be replaced ({error.strerror})"
+        raise ExportError(f"{why}: the new result is in {beside}; name another folder with -o next time") from error
     sync_folder(out.parent)
 
 
@@ -233,13 +289,21 @@ def _give_back(path: Path, to: Path) -> None:
         os.replace(path, to)
 
 
-def _keep(part: Path, out: Path) -> Path:
-    """Put a result that a person has changed under a name of its own."""
+def _named(part: Path, name: Path) -> Path:
+    """Put a result under a name of its own, with a number."""
     number = 1
-    while os.path.lexists(kept := out.with_name(f"{out.name}-before-{number}")):
+    while os.path.lexists(numbered := name.with_name(f"{name.name}-{number}")):
         number += 1
-    os.rename(part, kept)
-    return kept
+    os.rename(part, numbered)
+    return numbered
+
+
+def _longest_name(folder: Path) -> int:
+    """Bytes that a name in a folder may have."""
+    try:
+        return os.pathconf(folder, "PC_NAME_MAX")
+    except (OSError, ValueError, AttributeError):  # it is not there yet, or the system does not tell
+        return NAME_MAX
 
 
 def _real(out: Path) -> Path:

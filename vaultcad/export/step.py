@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from segmentation.io.stamp import stamp
+from segmentation.temporary import announce
 from vaultcad.errors import ExportError
 from vaultcad.export.geometry import masonry
 from vaultcad.export.palette import Colour, colour
@@ -69,6 +70,8 @@ def write_step(model: Model, path: Path) -> None:
     text_only = legible(path.parent) == path.parent
     with TemporaryDirectory(dir=path.parent if text_only else None) as folder, _quiet():
         bare = Path(folder) / "model.step"
+        announce(Path(folder))
+        announce(bare)
         written = writer.Transfer(document) and writer.Write(str(bare)) == IFSelect_RetDone
         text = bare.read_text(encoding="ascii") if written else ""
     if not written:

@@ -102,6 +102,26 @@ def test_a_worker_that_dies_is_told(work, said, tmp_path):
     assert process.communicate(timeout=20)[0] == said
 
 
+def test_streams_that_are_closed_are_not_taken_for_names(tmp_path):
+    """Native code may write to them."""
+    process = subprocess.Popen(
+        [
+            "/bin/sh",
+            "-c",
+            'exec "$0" -c "$1" file <&- >&-',
+            sys.executable,
+            WORK.replace("print(", "(lambda *a, **k: 0)("),
+        ],
+        cwd=tmp_path,
+    )
+    while not listing(tmp_path):
+        time.sleep(0.01)
+    time.sleep(0.2)
+    process.terminate()
+    assert process.wait(20) == 143
+    assert listing(tmp_path) == []
+
+
 def test_a_worker_that_ends_by_itself_says_its_code(tmp_path):
     process = started("fine", tmp_path)
     assert process.communicate(timeout=20)[0] == "done\n"
