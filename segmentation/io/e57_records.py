@@ -5,6 +5,7 @@ The layout of sections and packets follows ASTM E2807, 9.3 and 9.4.
 
 import struct
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import BinaryIO
 from xml.etree import ElementTree as Xml
@@ -16,8 +17,20 @@ BODY = PAGE - CHECKSUM
 SECTION = struct.Struct("<B7xQQQ")  # kind, bytes of the section, places of its data and its index
 PACKET = struct.Struct("<BBHH")  # kind, flags, bytes of the packet but one, streams
 POINTS, DATA = 1, 1  # kinds of a section and a packet that hold points
+PACKETS = (0, 1, 2)  # kinds of packets: of an index, with points, to be passed over
+ALIGNED = 4  # bytes that the length of a packet is a multiple of
+FEW, TYPICAL = 1000, 64  # packets that any section may have, and bytes of a section for one more; good ones have 64 KB
 WORD = 8  # bytes that a stream of whole numbers may be filled up by, in each packet
 SINGLE, DOUBLE = 4, 8  # bytes of a real number
+
+
+@dataclass(frozen=True)
+class Section:
+    """Where a section and its first packet begin, and where it ends, all without checksums."""
+
+    start: int
+    data: int
+    end: int
 
 
 @dataclass(frozen=True)
@@ -36,18 +49,15 @@ def check_records(path: Path, xml: bytes) -> list[str]:
         ReadError: a scan has fewer records than its count, or is not where the XML says.
     """
     found = []
+    scans = {number: scan for number, scan in enumerate(_scans(path, xml), 1) if scan.count}
     with path.open("rb", buffering=0) as file:  # a few bytes of each packet
-        for number, scan in enumerate(_scans(path, xml), 1):
-            if scan.count == 0:
-                continue
+        sections = _sections(path, file, scans)
+        for number, scan in scans.items():
             try:
-                lengths, packets = _streams(file, scan.at, len(scan.bits))
-            except (struct.error, ValueError, OverflowError, OSError):
-                wrong = f"is no whole E57 file (the points of scan {number} are not where it says)"
+                lengths, packets = _streams(file, sections[number], len(scan.bits))
+            except (struct.error, ValueError) as error:
+                wrong = f"is no whole E57 file (the packets of scan {number}: {error})"
                 raise ReadError(path, wrong, COPY_AGAIN) from None
-            if len(lengths) != len(scan.bits):
-                wrong = f"is no whole E57 file (the points of scan {number} have other fields than it says)"
-                raise ReadError(path, wrong, COPY_AGAIN)
             for length, bits in zip(lengths, scan.bits, strict=True):
                 if 8 * length < scan.count * bits:
                     raise ReadError(
@@ -107,28 +117,57 @@ def _bits(field: Xml.Element) -> int:
     return max(high - low, 0).bit_length()
 
 
-def _streams(file: BinaryIO, at: int, fields: int) -> tuple[list[int], int]:
-    """Bytes of each stream of the section at a place of the file, over all packets, and how many packets there are.
+def _sections(path: Path, file: BinaryIO, scans: dict[int, Scan]) -> dict[int, Section]:
+    """Where the packets of each scan are; no two scans share any, or a small file would take long.
 
-    fields: how many streams are expected.
+    Raises ReadError if they do, or a section is not where the XML says.
     """
-    start = _logical(at)
-    kind, length, data, _ = SECTION.unpack(_read(file, start, SECTION.size))
-    if kind != POINTS:
-        raise ValueError("no section with points")
-    at, end = _logical(data), start + length
-    lengths: list[int] = []
-    packets = 0
-    while at < end:
+    size = path.stat().st_size // PAGE * BODY
+    found = {}
+    for number, scan in scans.items():
+        try:
+            start = _logical(scan.at)
+            kind, length, data, _ = SECTION.unpack(_read(file, start, SECTION.size))
+            found[number] = section = Section(start, _logical(data), start + length)
+        except (struct.error, ValueError, OverflowError, OSError):
+            kind, section = None, Section(0, 0, 0)
+        if kind != POINTS or scan.count < 0 or not start + SECTION.size <= section.data <= section.end <= size:
+            wrong = f"is no whole E57 file (the points of scan {number} are not where it says)"
+            raise ReadError(path, wrong, COPY_AGAIN)
+    order = sorted(found, key=lambda number: found[number].start)
+    for one, next_one in pairwise(order):
+        if found[one].end > found[next_one].start:
+            first, second = sorted((one, next_one))
+            wrong = f"is no whole E57 file (the points of scans {first} and {second} are in the same place)"
+            raise ReadError(path, wrong, COPY_AGAIN)
+    return found
+
+
+def _streams(file: BinaryIO, section: Section, fields: int) -> tuple[list[int], int]:
+    """Bytes of each stream of a section, over all packets, and how many packets with points there are.
+
+    fields: how many streams each has. Raises ValueError for packets that cannot be.
+    """
+    at, most = section.data, FEW + (section.end - section.data) // TYPICAL
+    lengths = [0] * fields
+    seen = packets = 0
+    while at < section.end:
         head = _read(file, at, PACKET.size + 2 * fields)
         kind, _, size, streams = PACKET.unpack_from(head)
+        size, seen = size + 1, seen + 1
+        if kind not in PACKETS or size % ALIGNED:
+            raise ValueError(f"one of kind {kind} has {size:,} bytes")
+        if seen > most:
+            raise ValueError(f"more than {most:,} in {section.end - section.data:,} bytes")
         if kind == DATA:
-            if streams > fields:
-                head = _read(file, at, PACKET.size + 2 * streams)
-            found = struct.unpack_from(f"<{streams}H", head, PACKET.size)
-            lengths = [a + b for a, b in zip(lengths, found, strict=True)] if packets else list(found)
+            if streams != fields:
+                raise ValueError(f"one has {streams:,} fields, not {fields:,}")
+            own = struct.unpack_from(f"<{streams}H", head, PACKET.size)
+            if PACKET.size + 2 * streams + sum(own) > size or at + size > section.end:
+                raise ValueError(f"what one holds is longer than its {size:,} bytes")
+            lengths = [a + b for a, b in zip(lengths, own, strict=True)]
             packets += 1
-        at += size + 1
+        at += size
     return lengths, packets
 
 

@@ -14,37 +14,16 @@ import numpy as np
 import pye57
 import pytest
 
+from fuzz.pages import BODY, PAGE, logical, paged, with_xml, xml_of
 from segmentation import read
 from segmentation.errors import ReadError
 from segmentation.io import e57_check
 from segmentation.io.write import write_cloud
 
-PAGE, BODY = 1024, 1020
 POSE = (
     r'<pose type="Structure"><rotation type="Structure"><w type="Float">%s</w><x type="Float">0</x>'
     r'<y type="Float">0</y><z type="Float">0</z></rotation></pose>\1'
 )
-TABLE = [0] * 256
-for number in range(256):
-    value = number
-    for _ in range(8):
-        value = (value >> 1) ^ (0x82F63B78 if value & 1 else 0)
-    TABLE[number] = value
-
-
-def crc32c(data: bytes) -> int:
-    """Castagnoli's checksum, which ends each page."""
-    crc = 0xFFFFFFFF
-    for byte in data:
-        crc = (crc >> 8) ^ TABLE[(crc ^ byte) & 0xFF]
-    return crc ^ 0xFFFFFFFF
-
-
-def paged(logical: bytes) -> bytes:
-    """Pages with their checksums."""
-    logical += b"\0" * (-len(logical) % BODY)
-    pages = (logical[k : k + BODY] for k in range(0, len(logical), BODY))
-    return b"".join(page + struct.pack(">I", crc32c(page)) for page in pages)
 
 
 @pytest.fixture(scope="module")
@@ -52,22 +31,15 @@ def plain(tmp_path_factory) -> bytes:
     """A good E57 file of some points, without its pages' checksums."""
     path = tmp_path_factory.mktemp("e57") / "good.e57"
     write_cloud(path, np.random.default_rng(0).uniform(-3, 3, (500, 3)))
-    raw = path.read_bytes()
-    return b"".join(raw[k : k + BODY] for k in range(0, len(raw), PAGE))
+    return logical(path.read_bytes())
 
 
-def with_xml(plain: bytes, change, **header: int) -> bytes:
-    """The file with its XML changed, whole in all else."""
-    at, count = struct.unpack_from("<QQ", plain, 24)
-    start = at // PAGE * BODY + at % PAGE
-    xml = change(plain[start : start + count])
-    logical = bytearray(plain[:start] + xml)
-    size = -(-len(logical) // BODY) * PAGE
-    struct.pack_into(
-        "<QQQQ", logical, 16, header.get("size", size), header.get("at", at), header.get("count", len(xml)),
-        header.get("page", PAGE),
-    )  # fmt: skip
-    return paged(bytes(logical))
+def changed(plain: bytes, change, **header: int) -> bytes:
+    """The file with its XML changed, whole in all else; header: numbers of it that are not put right."""
+    out = bytearray(with_xml(plain, change(plain[xml_of(plain)])))
+    for name, value in header.items():
+        struct.pack_into("<Q", out, {"size": 16, "at": 24, "count": 32, "page": 40}[name], value)
+    return paged(bytes(out))
 
 
 def after_declaration(text: str):
@@ -145,7 +117,7 @@ def test_nothing_is_fetched_and_the_file_is_refused(plain, server, tmp_path, nam
         return HOSTILE[name](xml).replace(b"{url}", f"http://127.0.0.1:{port}/x.dtd".encode())
 
     path = tmp_path / "hostile.e57"
-    path.write_bytes(with_xml(plain, change))
+    path.write_bytes(changed(plain, change))
     with pytest.raises(ReadError, match="its XML"):
         read(path)
     assert guests == []
@@ -154,7 +126,7 @@ def test_nothing_is_fetched_and_the_file_is_refused(plain, server, tmp_path, nam
 @pytest.mark.parametrize("text", ["<!-- a scan -->", "<?xml-stylesheet href='a.xsl'?>", "\n\n"])
 def test_what_harms_nobody_is_read(plain, tmp_path, text) -> None:
     path = tmp_path / "good.e57"
-    path.write_bytes(with_xml(plain, after_declaration(text)))
+    path.write_bytes(changed(plain, after_declaration(text)))
     assert len(read(path)) == 500
 
 
@@ -173,7 +145,7 @@ def test_what_harms_nobody_is_read(plain, tmp_path, text) -> None:
 )
 def test_headers_that_make_no_sense_are_refused(plain, tmp_path, header, why) -> None:
     path = tmp_path / "bad.e57"
-    path.write_bytes(with_xml(plain, lambda xml: xml, **header))
+    path.write_bytes(changed(plain, lambda xml: xml, **header))
     with pytest.raises(ReadError, match=why):
         read(path)
 
@@ -197,9 +169,7 @@ def test_a_pipe_is_not_waited_for(tmp_path) -> None:
 def test_the_check_reads_the_xml_that_the_library_reads(plain, tmp_path) -> None:
     path = tmp_path / "good.e57"
     path.write_bytes(paged(plain))
-    at, count = struct.unpack_from("<QQ", plain, 24)
-    start = at // PAGE * BODY + at % PAGE
-    assert e57_check._xml(path) == plain[start : start + count]
+    assert e57_check._xml(path) == plain[xml_of(plain)]
 
 
 def xml_with(pattern: str, new: str):
@@ -217,7 +187,7 @@ def xml_with(pattern: str, new: str):
 )
 def test_what_contradicts_the_xml_is_told(plain, tmp_path, change, told) -> None:
     path = tmp_path / "told.e57"
-    path.write_bytes(with_xml(plain, change))
+    path.write_bytes(changed(plain, change))
     assert told in dict(read(path).notes)["damaged"]
 
 
@@ -229,15 +199,49 @@ def test_what_contradicts_the_xml_is_told(plain, tmp_path, change, told) -> None
         (xml_with('recordCount="500"', 'recordCount="many"'), "no whole E57"),
         (xml_with(r'fileOffset="\d+"', 'fileOffset="1000000000000"'), "are not where it says"),
         (xml_with(r'fileOffset="\d+"', 'fileOffset="-8"'), "are not where it says"),
-        (xml_with("<cartesianX [^>]*/>", ""), "other fields than it says"),
+        (xml_with("<cartesianX [^>]*/>", ""), "fields, not"),
+        (xml_with('recordCount="500"', 'recordCount="-500"'), "are not where it says"),
+        (xml_with("(?s)<vectorChild.*</vectorChild>", r"\g<0>\g<0>"), "in the same place"),
         (xml_with('<cartesianX type="Float"', '<cartesianX type="Blob"'), "a field of type 'Blob'"),
     ],
 )
 def test_records_that_are_not_there_are_refused(plain, tmp_path, change, why) -> None:
     path = tmp_path / "bad.e57"
-    path.write_bytes(with_xml(plain, change))
+    path.write_bytes(changed(plain, change))
     with pytest.raises(ReadError, match=why):
         read(path)
+
+
+PACKETS = {  # of a file whose first packet begins at byte 80
+    "of one byte": (struct.pack("<BBHH", 0, 1, 0, 3), "one of kind 0 has 1 bytes"),
+    "of another kind": (struct.pack("<BBHH", 3, 0, 11, 3), "one of kind 3"),
+    "of odd length": (struct.pack("<BBHH", 2, 0, 4, 3), "has 5 bytes"),
+    "of other streams": (struct.pack("<BBHH", 1, 0, 11, 65535), "65,535 fields, not 3"),
+    "of long streams": (struct.pack("<BBHHH", 1, 0, 11, 3, 4000), "longer than its 12 bytes"),
+    "beyond the section": (struct.pack("<BBH", 1, 0, 65535), "longer than its 65,536 bytes"),
+    "without end": (struct.pack("<BBH", 2, 0, 3) * 3000, "more than 1,1"),
+    "of zeros": (bytes(3000), "one of kind 0 has 1 bytes"),
+}
+
+
+@pytest.mark.parametrize("name", PACKETS)
+def test_packets_that_cannot_be_are_refused(plain, tmp_path, name) -> None:
+    packet, why = PACKETS[name]
+    path = tmp_path / "bad.e57"
+    path.write_bytes(paged(plain[:80] + packet + plain[80 + len(packet) :]))
+    with pytest.raises(ReadError, match=why):
+        read(path)
+
+
+def test_packets_to_be_passed_over_are(plain, tmp_path) -> None:
+    path = tmp_path / "good.e57"
+    (length,) = struct.unpack_from("<Q", plain, 56)
+    behind = struct.pack("<BBHI", 2, 0, 7, 0)
+    out = bytearray(plain[: 48 + length] + behind)
+    struct.pack_into("<Q", out, 56, length + len(behind))
+    struct.pack_into("<Q", out, 24, len(out) // BODY * PAGE + len(out) % BODY)
+    path.write_bytes(paged(with_xml(bytes(out), plain[xml_of(plain)])))
+    assert len(read(path)) == 500
 
 
 def test_points_that_are_all_one_take_no_time(plain, tmp_path) -> None:
@@ -248,7 +252,7 @@ def test_points_that_are_all_one_take_no_time(plain, tmp_path) -> None:
         return xml.replace(b'recordCount="500"', b'recordCount="9223372036854775807"')
 
     path = tmp_path / "bomb.e57"
-    path.write_bytes(with_xml(plain, change))
+    path.write_bytes(changed(plain, change))
     with pytest.raises(ReadError, match="one and the same"):
         read(path)
 
