@@ -165,7 +165,7 @@ def _cloud(
         aside=aside,
         scale=scale,
         crs=facts.crs,
-        notes=tuple(facts.notes),
+        notes=facts.told(),
     )
 
 
@@ -235,7 +235,9 @@ def _tell_marked(facts: Facts, marked: Counter[str], kept: bool) -> None:
 def _tell_dropped(facts: Facts, dropped: int, total: int) -> None:
     if dropped:
         what = f"{count(dropped, 'point')} of the file that are NaN, infinite or empty beams"
-        facts.tell("dropped", f"{what}, {100 * dropped / total:.2g}% of all: dropped")
+        share = 100 * dropped / total
+        said = "less than 0.1" if share < 0.1 else "more than 99" if share > 99 else f"{share:.2g}"
+        facts.tell("dropped", f"{what}, {said}% of all: dropped")
 
 
 def _tell_specks(

@@ -52,9 +52,8 @@ def read_e57(path: Path, facts: Facts) -> Iterator[Chunk]:
     """
     from pye57 import libe57
 
-    more = check_records(path, check_e57(path))
-    if more:
-        tell_damaged(facts, "; ".join(more))
+    for more in check_records(path, check_e57(path)):
+        tell_damaged(facts, more)
     try:
         image = libe57.ImageFile(os.fsencode(path), "r")
     except Exception as error:
@@ -76,15 +75,19 @@ def read_e57(path: Path, facts: Facts) -> Iterator[Chunk]:
             lone = pose is None or (pose.is_identity and len(scans) == 1)
             stations = None if pose is None or lone else pose.translation[None]
             bounds = Bounds(scan, *((np.eye(3), np.zeros(3)) if pose is None else (pose.rotation, pose.translation)))
-            first = done
+            first, zeros = done, dict[str, int]()
             for raw in _raw_chunks(path, image, scan):
                 chunk = _chunk(raw, scan, pose, bounds)
-                _tell_zeros(facts, raw, number)
+                for field, length in _zeros(raw):
+                    zeros[field] = max(zeros.get(field, 0), length)
                 done += len(chunk.xyz)
                 yield replace(chunk, stations=stations, done=done / total)
                 stations = None
             if done - first < (count := scan["points"].childCount()):
                 raise truncated(path, count, done - first)
+            for field, length in zeros.items():
+                what = f"{length:,} points in succession of scan {number} have {field} = 0"
+                facts.tell("zeros", f"{what}: bytes lost from the file, or a plane that lies there")
             if off := bounds.broken():
                 tell_damaged(facts, f"points of scan {number} lie outside its bounds by up to {off:.3g} m")
     except (ReadError, MemoryError):
@@ -135,8 +138,11 @@ def _chunk(raw: dict[str, NDArray[Any]], scan: Any, pose: Pose | None, bounds: B
     )
 
 
-def _tell_zeros(facts: Facts, raw: dict[str, NDArray[Any]], number: int) -> None:
-    """Say where a coordinate is lost, as each stands in bytes of its own; beams that are zero all over lost none."""
+def _zeros(raw: dict[str, NDArray[Any]]) -> Iterator[tuple[str, int]]:
+    """Where a coordinate is lost, as each stands in bytes of its own, and the most points in succession that lost it.
+
+    Beams that are zero all over lost none.
+    """
     fields = CARTESIAN if CARTESIAN[0] in raw else SPHERICAL[:1]
     for field in fields:
         if run_of_zeros(raw[field]):
@@ -144,8 +150,7 @@ def _tell_zeros(facts: Facts, raw: dict[str, NDArray[Any]], number: int) -> None
             beams = np.logical_and.reduce([raw[other] == 0 for other in fields])
             there = ~beams if state is None else ~beams & (state == 0)
             if length := run_of_zeros(raw[field][there]):
-                what = f"{length:,} points in succession of scan {number} have {field} = 0"
-                facts.tell("zeros", f"{what}: bytes lost from the file, or a plane that lies there")
+                yield field, length
 
 
 def _cartesian(r: NDArray[Any], azimuth: NDArray[Any], elevation: NDArray[Any]) -> NDArray[Any]:

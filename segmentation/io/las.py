@@ -13,7 +13,7 @@ from segmentation.crs import Crs, of_geokeys, of_wkt
 from segmentation.errors import COPY_AGAIN, ReadError
 from segmentation.io.chunk import SIZE, Chunk
 from segmentation.io.facts import Facts
-from segmentation.io.las_check import Kept, check_las, contradictions
+from segmentation.io.las_check import Kept, check_las, contradictions, tell_other_points
 from segmentation.io.laz_apart import ApartReader, DecoderError
 
 NORMALS = ("NormalX", "NormalY", "NormalZ")
@@ -43,11 +43,11 @@ def read_las(path: Path, facts: Facts) -> Iterator[Chunk]:
             chunk = _chunk(points, reader.header, done / total)
             kept.count(chunk.xyz, np.asarray(points["return_number"]))
             yield chunk
+        if done:
+            kept.tell(facts)
         packing = _packing(reader.header) if reader.header.are_points_compressed else b""
-        for broken in filter(None, (kept.broken(), contradictions(path, reader.header, packing))):
-            facts.tell("damaged", f"the file may be damaged: its header promises other points ({broken})")
-        if not kept.has_box():
-            facts.tell("unchecked", "the header has no box of the points: whether they are whole is not checked")
+        if broken := contradictions(path, reader.header, packing):
+            tell_other_points(facts, broken)
 
 
 @contextmanager

@@ -13,6 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.errors import COPY_AGAIN, ReadError
+from segmentation.io.facts import Facts
+from segmentation.io.rest import tell_damaged
+from segmentation.io.suspicions import tell_lost
 
 SHORTEST = {0: 227, 1: 227, 2: 227, 3: 235, 4: 375}  # bytes of the header by minor version
 RECORD, LONG_RECORD = 54, 60  # bytes before each variable length record, and before each extended one
@@ -22,7 +25,6 @@ RETURNS = 16  # that a pulse may have, counted from 0
 SLACK = 2.0  # steps of the coordinates that a box may be rounded by
 KINDS = 0x3F  # bits of the point format that tell it
 VARIABLE = 2**32 - 1  # points in a chunk of compressed files whose chunks differ
-FEWEST = 4  # points of zero bytes that no scan has
 FILLED = 0.9  # of the sides of their box that points fill, as it is to be theirs
 DENSEST = 50  # points that a byte of a compressed file can hold at most; scans have less than one
 
@@ -42,32 +44,39 @@ class Kept:
         for k in range(3):
             self.low[k] = min(self.low[k], xyz[:, k].min())
             self.high[k] = max(self.high[k], xyz[:, k].max())
-        there = np.flatnonzero(xyz[:, 0] == self.header.offsets[0])
-        self.zeros += int((xyz[there] == self.header.offsets).all(axis=1).sum())
+        if self.header.offsets.any():  # points in 0, 0, 0 are looked for in all formats
+            there = np.flatnonzero(xyz[:, 0] == self.header.offsets[0])
+            self.zeros += int((xyz[there] == self.header.offsets).all(axis=1).sum())
         self.returns += np.bincount(returns, minlength=RETURNS)
 
-    def broken(self) -> str:
-        """What is not as promised, in words; empty if all is, or nothing was promised."""
-        found = []
+    def tell(self, facts: Facts) -> None:
+        """Say what is not as promised."""
         if self.has_box():
             off = np.maximum(self.header.mins - self.low, self.high - self.header.maxs)
+            over = np.maximum(self.low - self.header.mins, self.header.maxs - self.high).max()
             if (off > SLACK * np.abs(self.header.scales)).any():
-                found.append(f"points lie outside their box by up to {off.max():.3g}")
+                tell_other_points(facts, f"points lie outside their box by up to {off.max():.3g}")
             elif (self.high - self.low < FILLED * (self.header.maxs - self.header.mins)).any():
-                found.append("points fill a part of their box alone")
+                larger = f"the box in its header is larger than its points by up to {over:.3g} of its units"
+                facts.tell("box", f"{larger}: cropped, or points are lost")
+        else:
+            facts.tell("unchecked", "the header has no box of the points: whether they are whole is not checked")
         promised = np.asarray(self.header.number_of_points_by_return, np.int64)
-        there = self.returns[1 : len(promised) + 1]
-        if promised.any() and (promised != there).any():
+        there, early = self.returns[1 : len(promised) + 1], self.returns[: len(promised)]
+        if promised.any() and (promised != there).any() and (promised != early).any():  # pylas counted from 0 on
             k = int(np.flatnonzero(promised != there)[0])
-            found.append(f"of return {k + 1} there are {there[k]:,} points, not {promised[k]:,}")
-        if self.zeros >= FEWEST:
-            found.append(f"{self.zeros:,} points have lost their coordinates, which are zero bytes")
-        return "; ".join(found)
+            tell_other_points(facts, f"of return {k + 1} there are {there[k]:,} points, not {promised[k]:,}")
+        tell_lost(facts, self.zeros, f"{' '.join(f'{v:.10g}' for v in self.header.offsets)}, the offset of the file")
 
     def has_box(self) -> bool:
         """Whether the header has a box; one of zeros was never filled in."""
         box = np.array([self.header.mins, self.header.maxs], np.float64)
         return bool(np.isfinite(box).all() and box.any())
+
+
+def tell_other_points(facts: Facts, what: str) -> None:
+    """Say what points the header promises, and are not there."""
+    tell_damaged(facts, f"its header promises other points ({what})")
 
 
 def contradictions(path: Path, header: Any, packing: bytes) -> str:
@@ -95,7 +104,8 @@ def _other_chunks(file: BinaryIO, header: Any, packing: bytes) -> str:
     """The same for the chunks of a LAZ file, which all but the last hold as many points as its record says."""
     (most,) = struct.unpack_from("<I", packing, 12)
     file.seek(header.offset_to_point_data)
-    (table,) = struct.unpack("<q", file.read(8))
+    place = file.read(8)
+    table = struct.unpack("<q", place)[0] if len(place) == 8 else 0
     if most in (0, VARIABLE) or table < header.offset_to_point_data:
         return ""
     file.seek(table)

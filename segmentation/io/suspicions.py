@@ -32,8 +32,13 @@ def tell_zeros(facts: Facts, parts: Sequence[Floats], taken: Sequence[Mask], cor
     for part, used in zip(parts, taken, strict=True):
         there = np.flatnonzero(part[:, 0] == 0)
         zeros += int((used[there] & (part[there, 1:] == 0).all(axis=1)).sum())
+    tell_lost(facts, zeros, "0, 0, 0")
+
+
+def tell_lost(facts: Facts, zeros: int, place: str) -> None:
+    """Say how many points are zero bytes, which is a place where no scan has many."""
     if zeros >= FEWEST:
-        facts.tell("zeros", f"{count(zeros, 'point')} in 0, 0, 0: bytes lost from the file, or beams without an answer")
+        facts.tell("zeros", f"{count(zeros, 'point')} in {place}: bytes lost from the file, or beams without an answer")
 
 
 def run_of_zeros(values: NDArray[np.floating[Any]]) -> int:
@@ -53,6 +58,8 @@ def unit_normals(facts: Facts, parts: Sequence[Chunk]) -> list[Floats | None]:
     for part in parts:
         normals = part.normals
         if normals is not None:
+            if normals.dtype.kind != "f":  # whole numbers, whose squares they could not hold
+                normals = normals.astype(np.float32)
             off = _off(normals)
             if off is not None:
                 normals, bad = _scaled(normals, off)

@@ -9,16 +9,17 @@ import numpy as np
 import pytest
 
 from segmentation import ReadError, read, write_cloud
+from segmentation.io.facts import ALIKE, Facts
 
 N = 3000
 XYZ = np.round(np.random.default_rng(3).uniform(-3, 3, (N, 3)), 4)
 NORMALS = np.tile(np.float32([0, 0.6, 0.8]), (N, 1))
 
 
-def las(path, **header):
+def las(path, offset=0.0):
     """LAS 1.2 by laspy, without counts by return, its offset amid the points."""
     file = laspy.create(point_format=3, file_version="1.2")
-    file.header.scales, file.header.offsets = [1e-4] * 3, [0.0] * 3
+    file.header.scales, file.header.offsets = [1e-4] * 3, [offset] * 3
     file.x, file.y, file.z = XYZ.T
     file.write(path)
     return path
@@ -44,11 +45,11 @@ def test_a_good_las_is_not_suspected(tmp_path, suffix):
     ("at", "layout", "values", "code", "match"),
     [
         (107, "<I", (N - 100,), "damaged", "room for 100 others"),
-        (131, "<d", (1e-9,), "damaged", "fill a part of their box"),
+        (131, "<d", (1e-9,), "box", "larger than its points by up to 3 of its units"),
         (155, "<d", (9.0,), "damaged", "outside their box by up to"),
         (179, "<6d", (0, 0, 0, 0, 0, 0), "unchecked", "no box"),
         (179, "<d", (float("nan"),), "unchecked", "no box"),
-        (227, "<34s", (bytes(340),), "damaged", "10 points have lost their coordinates"),
+        (227, "<34s", (bytes(340),), "zeros", "10 points in 0, 0, 0: bytes lost from the file, or beams"),
     ],
 )
 def test_what_contradicts_a_las_header_is_told(tmp_path, at, layout, values, code, match):
@@ -56,6 +57,30 @@ def test_what_contradicts_a_las_header_is_told(tmp_path, at, layout, values, cod
     if at == 227:
         at, layout = struct.unpack_from("<I", path.read_bytes(), 96)[0], "<340s"
     assert match in told(changed(path, at, layout, *values))[code]
+
+
+def test_points_of_zero_bytes_are_told_once_where_a_las_has_an_offset(tmp_path):
+    path = las(tmp_path / "a.las", offset=0.5)
+    start = struct.unpack_from("<I", path.read_bytes(), 96)[0]
+    found = told(changed(path, start, "<340s", bytes(340)))
+    assert "10 points in 0.5 0.5 0.5, the offset of the file: bytes lost" in found["zeros"]
+
+
+@pytest.mark.parametrize(("counts", "damaged"), [((N, 0), False), ((0, N), True), ((N - 1, 1), True)])
+def test_counts_by_return_begin_with_the_first_or_with_none(tmp_path, counts, damaged):
+    path = changed(las(tmp_path / "a.las"), 111, "<2I", *counts)  # all are of return 0, as laspy leaves them
+    assert ("damaged" in told(path)) == damaged
+
+
+@pytest.mark.parametrize("points", [0, N])
+@pytest.mark.parametrize("kept", [0, 7])
+def test_a_laz_cut_where_its_points_begin_is_refused(tmp_path, points, kept):
+    path = tmp_path / "a.laz"
+    las(path) if points else laspy.create(point_format=3, file_version="1.2").write(path)
+    data = path.read_bytes()
+    path.write_bytes(data[: struct.unpack_from("<I", data, 96)[0] + kept])
+    with pytest.raises(ReadError):
+        read(path)
 
 
 def test_chunks_of_a_laz_are_counted(tmp_path):
@@ -96,6 +121,15 @@ def test_a_lost_coordinate_of_an_e57_is_told(tmp_path):
     assert "30 points in succession of scan 1 have cartesianY = 0" in told(tmp_path / "a.e57")["zeros"]
 
 
+def test_what_is_lost_of_an_e57_is_told_once_a_scan(tmp_path, monkeypatch):
+    xyz = XYZ.copy()
+    xyz[100:130, 1] = xyz[1500:1560, 1] = 0
+    write_cloud(tmp_path / "a.e57", xyz)
+    monkeypatch.setattr("segmentation.io.e57.SIZE", 1000)
+    (note,) = (note for note in read(tmp_path / "a.e57").notes if note.code == "zeros")
+    assert note.text.startswith("60 points in succession of scan 1 have cartesianY = 0")
+
+
 NORMALS_OF = {
     "long": (1000.0, "3,000 normals of the file not of unit length", [0, 0.6, 0.8]),
     "huge": (1e30, "3,000 normals of the file not of unit length", [0, 0.6, 0.8]),
@@ -112,6 +146,19 @@ def test_normals_are_made_unit_vectors(tmp_path, kind):
     np.testing.assert_allclose(cloud.normals, np.tile(expected, (N, 1)), atol=1e-6)
 
 
+@pytest.mark.parametrize("kind", ["i1", "i2", "u1"])
+def test_normals_of_whole_numbers_are_made_unit_vectors(tmp_path, kind):
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {N}\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz")
+    head += "".join(f"property {'u' * (kind[0] == 'u')}int{8 * int(kind[1])} n{axis}\n" for axis in "xyz")
+    records = np.zeros(N, [("xyz", "<f4", 3), ("n", f"<{kind}", 3)])
+    records["xyz"], records["n"] = XYZ, (16, 0, 48)  # 16² and 48² are 0 in bytes, but for a sign
+    (tmp_path / "a.ply").write_bytes(f"{head}end_header\n".encode() + records.tobytes())
+    cloud = read(tmp_path / "a.ply")
+    assert "3,000 normals of the file not of unit length" in dict(cloud.notes)["normals"]
+    np.testing.assert_allclose(cloud.normals, np.tile([0.1**0.5, 0, 0.9**0.5], (N, 1)), atol=1e-6)
+
+
 @pytest.mark.parametrize("factor", [0.0, 1.0, 0.99])
 def test_unit_normals_and_none_stay_as_they_are(tmp_path, factor):
     write_cloud(tmp_path / "a.ply", XYZ, normals=NORMALS * np.float32(factor))
@@ -121,9 +168,25 @@ def test_unit_normals_and_none_stay_as_they_are(tmp_path, factor):
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".xyz"])
-def test_how_much_was_dropped_is_said(tmp_path, suffix):
+@pytest.mark.parametrize(
+    ("dropped", "said"),
+    [
+        (2700, "2,700 points of the file that are NaN, infinite or empty beams, 90% of all"),
+        (2990, ", more than 99% of all"),
+        (1, ", less than 0.1% of all"),
+    ],
+)
+def test_how_much_was_dropped_is_said(tmp_path, suffix, dropped, said):
     xyz = XYZ.copy()
-    xyz[: N * 9 // 10] = np.nan
+    xyz[:dropped] = np.nan
     write_cloud(tmp_path / f"a{suffix}", xyz)
-    assert "2,700 points" in told(tmp_path / f"a{suffix}")["dropped"]
-    assert "90% of all" in told(tmp_path / f"a{suffix}")["dropped"]
+    assert said in told(tmp_path / f"a{suffix}")["dropped"]
+
+
+def test_notes_of_a_kind_are_told_some_times():
+    facts = Facts()
+    for number in range(2000):
+        facts.tell("pose", f"scan {number} stands nowhere")
+    facts.tell("unit", "metres")
+    assert len(facts.told()) == ALIKE + 2
+    assert facts.told()[-1].text == f"and {2000 - ALIKE:,} others like these"
