@@ -12,7 +12,7 @@ from segmentation.errors import ReadError
 from segmentation.io.chunk import SIZE, Chunk
 from segmentation.io.facts import Facts
 from segmentation.io.numbers import number_of, whole_of
-from segmentation.io.records import XYZ, chunk_of, from_table, tell_order, unique
+from segmentation.io.records import PACKED, XYZ, chunk_of, from_table, tell_order, unique
 from segmentation.io.rest import tell_bytes, tell_lines, tell_unended, truncated
 from segmentation.io.table import Rows
 
@@ -23,8 +23,8 @@ KINDS = {
 """Types of values, by TYPE and SIZE."""
 DENSEST = 88
 """Bytes that a byte of LZF may become: three that are copied make 264."""
-PACKED = ("rgb", "rgba")
-"""Fields that hold red, green and blue in the bytes of one number."""
+PAGE = 65536
+"""Zero bytes that older versions of the library leave behind the points at most: what fills a page of memory."""
 HOME = [0.0, 0.0, 0.0]
 WAY_OUT = "export the scan again as PCD, E57, LAZ or PLY"
 
@@ -84,7 +84,9 @@ def _layout(path: Path, facts: Facts) -> Layout:
             (name, f"<{kind}", *([(n,)] if n != 1 else [])) for name, kind, n in zip(names, kinds, counts, strict=True)
         ]
         dtype = np.dtype(fields)
-        beams = whole_of(_one(header["WIDTH"])) * whole_of(_one(header["HEIGHT"])) if "WIDTH" in header else None
+        beams = (
+            whole_of(_one(header["WIDTH"])) * whole_of(_one(header.get("HEIGHT", ["1"]))) if "WIDTH" in header else None
+        )
         count = whole_of(_one(header["POINTS"])) if "POINTS" in header or beams is None else beams
         if beams not in (None, count):
             raise ValueError(f"WIDTH x HEIGHT = {beams}, POINTS {count}")
@@ -133,7 +135,7 @@ def _binary(path: Path, layout: Layout, facts: Facts) -> Values:
         for at in range(0, layout.count, SIZE):
             values = np.fromfile(file, layout.dtype, min(SIZE, layout.count - at))
             yield values, (at + len(values)) / layout.count
-    tell_bytes(path, facts, layout.start + layout.count * layout.dtype.itemsize)
+    tell_bytes(path, facts, layout.start + layout.count * layout.dtype.itemsize, PAGE)
 
 
 def _compressed(path: Path, layout: Layout, facts: Facts) -> Values:
@@ -158,7 +160,7 @@ def _compressed(path: Path, layout: Layout, facts: Facts) -> Values:
         values[name] = plain[at : at + length].view(layout.dtype[name].base).reshape(-1, *layout.dtype[name].shape)
         at += length
     yield values, 1.0
-    tell_bytes(path, facts, layout.start + lengths.nbytes + len(packed))
+    tell_bytes(path, facts, layout.start + lengths.nbytes + len(packed), PAGE)
 
 
 DECODERS: dict[str, Callable[[Path, Layout, Facts], Values]] = {

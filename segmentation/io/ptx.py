@@ -103,7 +103,11 @@ def _tell_other_place(
     blank = not place.any(), not axes.any() or np.array_equal(axes, np.eye(3))
     other = not np.allclose(place, translation, atol=SAME), not np.allclose(axes, rotation, atol=SAME)
     if (other[0] and not blank[0]) or (other[1] and not blank[1]):
-        tell_damaged(facts, f"the scanner of scan {number} stands elsewhere than its matrix says, which is taken")
+        what = f"the scanner of scan {number} stands elsewhere than its matrix says, which is taken"
+        if np.array_equal(rotation, np.eye(3)) and not translation.any():  # some programs turn the points
+            facts.tell("pose", what)
+        else:
+            tell_damaged(facts, what)
 
 
 def _motion(

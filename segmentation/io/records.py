@@ -16,6 +16,9 @@ NORMALS = (("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z"))
 COLORS = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b"))
 INTENSITIES = tuple((name,) for name in ("intensity", "scalar_intensity", "reflectance", "scalar_reflectance"))
 CLASSES = tuple((name,) for name in ("classification", "scalar_classification"))
+PACKED = ("rgb", "rgba")
+"""Fields of PCD that hold red, green and blue in the bytes of one number."""
+USED = {name for names in ((XYZ,), NORMALS, COLORS, INTENSITIES, CLASSES, (PACKED,)) for own in names for name in own}
 
 
 def unique(names: Iterable[str]) -> list[str]:
@@ -50,7 +53,8 @@ def chunk_of(values: NDArray[np.void], done: float, color: NDArray[Any] | None =
 def from_table(table: NDArray[np.float64], dtype: np.dtype[np.void], facts: Facts) -> NDArray[np.void]:
     """Records of the columns of a table, in order; a field that is an array takes as many columns.
 
-    Told is what a field of whole numbers cannot hold: the columns may be others than the header says.
+    Told is what a field of whole numbers that is used cannot hold, as the columns may be others than the header says.
+    NaN becomes 0; -1 becomes the most that an unsigned number can be, as it is in programs.
     """
     values = np.empty(len(table), dtype)
     at = 0
@@ -59,8 +63,11 @@ def from_table(table: NDArray[np.float64], dtype: np.dtype[np.void], facts: Fact
         columns = table[:, at : at + width]
         if not np.issubdtype(dtype[name].base, np.floating):
             kind = np.iinfo(dtype[name].base)
-            whole: NDArray[np.float64] = np.clip(np.round(np.nan_to_num(columns)), kind.min, kind.max)
-            if not np.array_equal(whole, columns):
+            columns = np.where(np.isnan(columns), 0.0, columns)
+            if kind.min == 0:
+                columns[columns == -1] = kind.max
+            whole: NDArray[np.float64] = np.clip(np.round(columns), kind.min, kind.max)
+            if name in USED and not np.array_equal(whole, columns):
                 tell_damaged(facts, f"its {name!r} is to hold whole numbers up to {kind.max:,}, and holds others")
             columns = whole
         values[name] = columns.reshape(-1, *dtype[name].shape)

@@ -31,12 +31,13 @@ def tell_lines(facts: Facts, have: int, promised: int, after: str = "the last po
         tell_damaged(facts, f"after {after} come {count(have, 'line')}, its header promises {promised:,}")
 
 
-def tell_bytes(path: Path, facts: Facts, at: int) -> None:
-    """Say what follows byte `at` of a binary file, where it should end."""
+def tell_bytes(path: Path, facts: Facts, at: int, zeros: int = 0) -> None:
+    """Say what follows byte `at` of a binary file, where it should end; so many zero bytes may."""
     extra = path.stat().st_size - at
-    if extra <= PADDING:
+    if extra <= max(PADDING, zeros):
         with path.open("rb") as file:
             file.seek(at)
-            if not file.read(PADDING).strip():
+            rest = file.read(extra)
+            if (extra <= PADDING and not rest.strip()) or (extra <= zeros and not any(rest)):
                 return
     tell_damaged(facts, f"{count(extra, 'byte')} follow what its header promises")

@@ -50,6 +50,12 @@ def ptx(counts=f"{N}\n1\n", place="0 0 0", matrix="1 0 0 0\n0 1 0 0\n0 0 1 0\n0 
     return f"{counts}{place}\n1 0 0\n0 1 0\n0 0 1\n{matrix}{rows}".encode()
 
 
+MOVED = "1 0 0 0\n0 1 0 0\n0 0 1 0\n1 2 0 1\n"
+BYTES = ply("ascii", after="property uchar intensity\n")
+PLANES = np.ascontiguousarray(XYZ.astype("<f4").T).tobytes()
+LITERAL = b"".join(bytes([len(PLANES[k : k + 32]) - 1]) + PLANES[k : k + 32] for k in range(0, len(PLANES), 32))
+
+
 def outcome(tmp_path, suffix, content):
     path = tmp_path / f"a{suffix}"
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
@@ -116,7 +122,12 @@ TOLD = {
     "pts with more": (".pts", f"{N - 1}\n{ROWS}", "damaged", "promise 59 points, 60 are there"),
     "text without its last end": (".xyz", ROWS[:-1], "unended", "has no end"),
     "ptx without its last end": (".ptx", ptx()[:-1], "unended", "has no end"),
-    "ptx of another place": (".ptx", ptx(place="5 6 1"), "damaged", "stands elsewhere"),
+    "ptx of another place": (".ptx", ptx(place="5 6 1", matrix=MOVED), "damaged", "stands elsewhere"),
+    "ptx of points that are placed": (".ptx", ptx(place="5 6 1"), "pose", "stands elsewhere"),
+    "pcd with a page of more than zeros": (".pcd", pcd() + BODY + bytes(4095) + b"\1", "damaged", "4,096 bytes follow"),
+    "pcd with more than a page": (".pcd", pcd() + BODY + bytes(65537), "damaged", "65,537 bytes follow"),
+    "ply in ascii with a colour of 256": (".ply", BYTES + " 256\n".join(ROWS.splitlines()).encode() + b" 256\n",
+                                          "damaged", "'intensity' is to hold whole numbers up to 255"),
 }  # fmt: skip
 GOOD = {
     "ply": (".ply", ply() + BODY),
@@ -129,6 +140,13 @@ GOOD = {
     "ply in ascii": (".ply", ply("ascii", after=faces(1)) + f"{ROWS}\n3 0 1 2\n\n".encode()),
     "pcd": (".pcd", pcd() + BODY),
     "pcd in ascii": (".pcd", pcd("ascii") + f"{ROWS}\n".encode()),
+    "pcd without a height": (".pcd", pcd().replace(b"HEIGHT 1\n", b"") + BODY),
+    **{f"pcd with a page of {size:,}": (".pcd", pcd() + BODY + bytes(size)) for size in (4096, 16384, 65536)},
+    "pcd packed with a page behind": (".pcd", lzf(body=LITERAL) + bytes(4096)),
+    **{f"ply in ascii with an intensity of {word}": (".ply", BYTES + f" {word}\n".join(ROWS.splitlines()).encode()
+       + f" {word}\n".encode()) for word in ("-1", "255", "nan")},
+    "ply in ascii with halves of no use": (".ply", BYTES.replace(b"intensity", b"curvature")
+                                           + " 0.5\n".join(ROWS.splitlines()).encode() + b" 0.5\n"),
     "pts": (".pts", f"{N}\n{ROWS}  "),
     "ptx": (".ptx", ptx()),
 }  # fmt: skip
