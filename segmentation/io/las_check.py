@@ -5,6 +5,7 @@ The layout follows the LAS specification 1.4 R15 (ASPRS 2019), 2.4.
 
 from __future__ import annotations
 
+import os
 import struct
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -26,6 +27,8 @@ SLACK = 2.0  # steps of the coordinates that a box may be rounded by
 KINDS = 0x3F  # bits of the point format that tell it
 VARIABLE = 2**32 - 1  # points in a chunk of compressed files whose chunks differ
 FILLED = 0.9  # of the sides of their box that points fill, as it is to be theirs
+SECTOR = 512  # bytes that a disk loses at least
+LAYERED, USUAL = 6, 50_000  # point formats from here on have layers, in which so many points make up to 428 zero bytes
 DENSEST = 50  # points that a byte of a compressed file can hold at most; scans have less than one
 
 
@@ -87,7 +90,7 @@ def contradictions(path: Path, header: Any, packing: bytes) -> str:
     with path.open("rb") as file:
         (legacy,) = struct.unpack_from("<I", file.read(SHORTEST[0]), 107)
         if packing:
-            return _other_chunks(file, header, packing)
+            return _of_chunks(file, header, packing)
     found = []
     if legacy not in (0, header.point_count):
         found.append(f"it has two counts of points, {legacy:,} and {header.point_count:,}")
@@ -100,20 +103,39 @@ def contradictions(path: Path, header: Any, packing: bytes) -> str:
     return "; ".join(found)
 
 
-def _other_chunks(file: BinaryIO, header: Any, packing: bytes) -> str:
-    """The same for the chunks of a LAZ file, which all but the last hold as many points as its record says."""
-    (most,) = struct.unpack_from("<I", packing, 12)
-    file.seek(header.offset_to_point_data)
+def _of_chunks(file: BinaryIO, header: Any, packing: bytes) -> str:
+    """The same for the chunks of a LAZ file, which all but the last hold as many points as its record says.
+
+    Looked for are lost sectors, too: of the layers that a chunk has, those of colours and intensities are unpacked to
+    something, whatever they are.
+    """
+    start = header.offset_to_point_data
+    file.seek(start)
     place = file.read(8)
     table = struct.unpack("<q", place)[0] if len(place) == 8 else 0
-    if most in (0, VARIABLE) or table < header.offset_to_point_data:
-        return ""
-    file.seek(table)
-    told = file.read(8)
-    chunks = -(-header.point_count // most)
-    if len(told) == 8 and (number := struct.unpack("<II", told)[1]) != chunks:
-        return f"its points need {chunks:,} chunks of {most:,}, and {number:,} are there"
-    return ""
+    size = file.seek(0, os.SEEK_END)
+    end = table if start < table <= size else min(header.start_of_first_evlr or size, size)
+    found = []
+    (most,) = struct.unpack_from("<I", packing, 12)
+    if header.point_format.id >= LAYERED and most <= USUAL and (lost := _zero_sectors(file, start, end)):
+        found.append(f"of what they are packed in, {lost * SECTOR:,} bytes are zero")
+    if most not in (0, VARIABLE) and table >= start:
+        file.seek(table)
+        told = file.read(8)
+        chunks = -(-header.point_count // most)
+        if len(told) == 8 and (number := struct.unpack("<II", told)[1]) != chunks:
+            found.append(f"its points need {chunks:,} chunks of {most:,}, and {number:,} are there")
+    return "; ".join(found)
+
+
+def _zero_sectors(file: BinaryIO, start: int, end: int) -> int:
+    """How many sectors between two places of a file have zero bytes alone."""
+    at, end = -(-start // SECTOR) * SECTOR, end // SECTOR * SECTOR
+    if end <= at:
+        return 0
+    words = np.memmap(file, np.uint64, "r", at, ((end - at) // SECTOR, SECTOR // 8))
+    suspects = np.flatnonzero(words[:, 0] == 0)
+    return sum(not words[k].any() for k in suspects)
 
 
 def check_las(path: Path) -> None:

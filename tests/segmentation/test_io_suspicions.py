@@ -91,6 +91,26 @@ def test_chunks_of_a_laz_are_counted(tmp_path):
     assert "need 2 chunks of 50,000, and 3 are there" in told(changed(path, 247, "<Q", 99_000))["damaged"]
 
 
+def test_a_lost_sector_among_the_layers_of_a_laz_is_told(tmp_path):
+    path = tmp_path / "a.laz"
+    write_cloud(path, XYZ, color=np.random.default_rng(1).integers(0, 256, (N, 3)).astype(np.uint8))
+    data = path.read_bytes()
+    at = (len(data) // 512 - 2) * 512  # colours come last
+    assert "512 bytes are zero" in told(changed(path, at, "<512s", bytes(512)))["damaged"]
+
+
+@pytest.mark.parametrize("at", [1, 25_000, 49_999])
+def test_layers_of_a_laz_that_hardly_change_are_good(tmp_path, at):
+    rng = np.random.default_rng(1)
+    values = np.zeros((120_000, 3), np.float32)
+    values[at::50_000] = 1
+    path = tmp_path / "a.laz"
+    write_cloud(
+        path, np.round(rng.uniform(-3, 3, values.shape), 4), normals=values, color=values, intensity=values[:, 0]
+    )
+    assert "damaged" not in told(path)
+
+
 def test_two_counts_of_a_las_are_compared(tmp_path):
     path = tmp_path / "a.las"
     write_cloud(path, XYZ)
