@@ -67,10 +67,10 @@ def read_e57(path: Path, facts: Facts) -> Iterator[Chunk]:
             if text.strip() and facts.crs is None:
                 facts.tell("crs", "the coordinate system of the file cannot be read: nothing is taken from it")
         data = root["data3D"]
-        scans = [data[k] for k in range(len(data)) if data[k]["points"].childCount() > 0]
-        total = sum(scan["points"].childCount() for scan in scans)
+        scans = {k + 1: data[k] for k in range(len(data)) if data[k]["points"].childCount() > 0}
+        total = sum(scan["points"].childCount() for scan in scans.values())
         done = 0
-        for number, scan in enumerate(scans, 1):
+        for number, scan in scans.items():
             pose = _pose(path, scan, number, facts)
             lone = pose is None or (pose.is_identity and len(scans) == 1)
             stations = None if pose is None or lone else pose.translation[None]

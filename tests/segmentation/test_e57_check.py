@@ -244,6 +244,16 @@ def test_packets_to_be_passed_over_are(plain, tmp_path) -> None:
     assert len(read(path)) == 500
 
 
+def test_scans_are_numbered_as_in_the_file(plain, tmp_path) -> None:
+    def change(xml: bytes) -> bytes:
+        xml = re.sub(rb"(<xMaximum[^>]*>)[^<]*", rb"\g<1>1.0", xml)
+        return re.sub(rb"(?s)<vectorChild.*</vectorChild>", lambda m: m[0].replace(b'"500"', b'"0"') + m[0], xml)
+
+    path = tmp_path / "told.e57"
+    path.write_bytes(changed(plain, change))
+    assert "points of scan 2 lie outside" in dict(read(path).notes)["damaged"]
+
+
 def test_points_that_are_all_one_take_no_time(plain, tmp_path) -> None:
     constant = '<cartesian\\1 type="Integer" minimum="3" maximum="3"/>'
 
