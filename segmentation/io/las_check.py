@@ -119,11 +119,10 @@ def _of_chunks(file: BinaryIO, header: Any, packing: bytes) -> str:
     (most,) = struct.unpack_from("<I", packing, 12)
     if header.point_format.id >= LAYERED and most <= USUAL and (lost := _zero_sectors(file, start, end)):
         found.append(f"of what they are packed in, {lost * SECTOR:,} bytes are zero")
-    if most not in (0, VARIABLE) and table >= start:
+    if most not in (0, VARIABLE) and start <= table <= size - 8:
         file.seek(table)
-        told = file.read(8)
-        chunks = -(-header.point_count // most)
-        if len(told) == 8 and (number := struct.unpack("<II", told)[1]) != chunks:
+        (number,) = struct.unpack("<4xI", file.read(8))
+        if number != (chunks := -(-header.point_count // most)):
             found.append(f"its points need {chunks:,} chunks of {most:,}, and {number:,} are there")
     return "; ".join(found)
 

@@ -91,6 +91,14 @@ def test_chunks_of_a_laz_are_counted(tmp_path):
     assert "need 2 chunks of 50,000, and 3 are there" in told(changed(path, 247, "<Q", 99_000))["damaged"]
 
 
+@pytest.mark.parametrize("place", [-1, 0, 2**62, 2**63 - 1])
+def test_an_empty_laz_is_refused_wherever_its_chunks_are_to_be(tmp_path, place):
+    laspy.create(point_format=3, file_version="1.2").write(path := tmp_path / "a.laz")
+    (start,) = struct.unpack_from("<I", path.read_bytes(), 96)
+    with pytest.raises(ReadError, match="holds no points"):
+        read(changed(path, start, "<q", place))
+
+
 def test_a_lost_sector_among_the_layers_of_a_laz_is_told(tmp_path):
     path = tmp_path / "a.laz"
     write_cloud(path, XYZ, color=np.random.default_rng(1).integers(0, 256, (N, 3)).astype(np.uint8))
