@@ -192,5 +192,6 @@ FITS: dict[str, Callable[[Sample], bool]] = {
     "fields swapped": lambda sample: bool(sample.fields),
     "words": lambda sample: sample.words,
     "lines": lambda sample: sample.words,
+    "body bytes": lambda sample: sample.head < len(sample.data),
     "zeroed in pages": lambda sample: sample.paged,
 }

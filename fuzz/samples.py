@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 import struct
 from collections.abc import Callable
@@ -9,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import laspy
+import lazrs
 import numpy as np
 import pye57
 
@@ -16,6 +18,8 @@ from fuzz.pages import logical
 from segmentation import write_cloud
 
 COUNT = 2400
+CHUNK = 300  # points in a chunk of LAZ, where there are to be several
+LONGEST_BACK = 1 << 13  # bytes that a copy in LZF may lie back
 GUID = re.compile(rb"[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
 
 
@@ -24,7 +28,7 @@ class Sample:
     """A good file. data: its bytes, of an E57 without checksums. fields: places and struct layouts of numbers.
 
     head: bytes that are header, a text's or not. text: whether all of it is text, as its header alone is where
-    `words`. paged: whether checksums are to be put in.
+    `words`. paged: whether checksums are to be put in. is_empty: whether it has no points, and is refused for it.
     """
 
     name: str
@@ -35,18 +39,19 @@ class Sample:
     words: bool = False
     text: bool = False
     paged: bool = False
+    is_empty: bool = False
 
 
-def room() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def room(count: int = COUNT) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Points (n, 3) of a room on a grid of 0.1 mm, with normals, colours and intensities."""
     rng = np.random.default_rng(12)
-    xyz = rng.uniform(-3, 3, (COUNT, 3))
-    wall = rng.integers(0, 3, COUNT)
-    xyz[np.arange(COUNT), wall] = rng.choice([-3.0, 3.0], COUNT) + rng.normal(0, 0.002, COUNT)
-    normals = np.zeros((COUNT, 3), np.float32)
-    normals[np.arange(COUNT), wall] = 1
-    color = rng.integers(1, 256, (COUNT, 3)).astype(np.uint8)
-    return np.round(xyz, 4), normals, color, rng.integers(1, 65536, COUNT).astype(np.uint16)
+    xyz = rng.uniform(-3, 3, (count, 3))
+    wall = rng.integers(0, 3, count)
+    xyz[np.arange(count), wall] = rng.choice([-3.0, 3.0], count) + rng.normal(0, 0.002, count)
+    normals = np.zeros((count, 3), np.float32)
+    normals[np.arange(count), wall] = 1
+    color = rng.integers(1, 256, (count, 3)).astype(np.uint8)
+    return np.round(xyz, 4), normals, color, rng.integers(1, 65536, count).astype(np.uint16)
 
 
 LAS = (
@@ -56,9 +61,12 @@ LAS = (
 LAS_14 = ((227, "<Q"), (235, "<Q"), (243, "<I"), (247, "<Q"), (255, "<Q"), (263, "<Q"))
 
 
-def las(folder: Path, suffix: str, new: bool) -> Sample:
-    """LAS 1.4 by our writer or, not new, 1.2 by laspy, which leaves the counts by return empty."""
-    path, (xyz, normals, color, intensity) = folder / f"a{suffix}", room()
+def las(folder: Path, suffix: str, new: bool, count: int = COUNT, chunk: int = 0) -> Sample:
+    """LAS 1.4 by our writer or, not new, 1.2 by laspy, which leaves the counts by return empty.
+
+    chunk: points in each chunk of LAZ, 50,000 by default.
+    """
+    path, (xyz, normals, color, intensity) = folder / f"a{suffix}", room(count)
     if new:
         write_cloud(path, xyz, normals=normals, color=color, intensity=intensity)
     else:
@@ -68,7 +76,7 @@ def las(folder: Path, suffix: str, new: bool) -> Sample:
         file.intensity = intensity
         file.red, file.green, file.blue = color.T.astype(np.uint16) * 257
         file.write(path)
-    data = path.read_bytes()
+    data = path.read_bytes() if not chunk else _in_chunks(path, chunk)
     size, start, records = struct.unpack_from("<HII", data, 94)
     fields, at = [*LAS, *(LAS_14 if new else ())], size
     for _ in range(records):
@@ -81,11 +89,29 @@ def las(folder: Path, suffix: str, new: bool) -> Sample:
                 fields.append((place, "<" + kind))
                 place += struct.calcsize("<" + kind)
         at += 54 + length
-    if suffix == ".laz":
+    if suffix == ".laz" and count:
         fields.append((start, "<q"))
         table = struct.unpack_from("<q", data, start)[0]
         fields += [(table, "<I"), (table + 4, "<I")]
-    return Sample(f"{suffix[1:]} {'1.4' if new else '1.2'}", suffix, data, start, tuple(fields))
+    name = f"{suffix[1:]} {'1.4' if new else '1.2'}{' chunks' if chunk else ''}{'' if count else ' empty'}"
+    return Sample(name, suffix, data, start, tuple(fields), is_empty=not count)
+
+
+def _in_chunks(path: Path, chunk: int) -> bytes:
+    """A LAZ file with so many points in each chunk."""
+    with laspy.open(path) as reader:
+        start, points = reader.header.offset_to_point_data, reader.read().points
+    head = path.read_bytes()[:start]
+    at = head.index(b"laszip encoded") - 2 + 54
+    (length,) = struct.unpack_from("<H", head, at - 34)
+    record = bytearray(head[at : at + length])
+    struct.pack_into("<I", record, 12, chunk)
+    out = io.BytesIO()
+    out.write(head[:at] + record + head[at + length :])
+    packer = lazrs.LasZipCompressor(out, lazrs.LazVlr(bytes(record)))
+    packer.compress_many(np.frombuffer(points.array.tobytes(), np.uint8))
+    packer.done()
+    return out.getvalue()
 
 
 def e57(folder: Path, ours: bool) -> Sample:
@@ -108,13 +134,13 @@ def e57(folder: Path, ours: bool) -> Sample:
     return Sample("e57 double" if ours else "e57 pose", ".e57", data, 86 + 2 * streams, fields, words=True, paged=True)
 
 
-def ply(encoding: str, order: str, faces: bool) -> Sample:
+def ply(encoding: str, order: str, faces: bool, count: int = COUNT) -> Sample:
     """PLY by hand: x, y and z in double precision, colours; with faces, half of them triangles."""
-    xyz, _, color, _ = room()
+    xyz, _, color, _ = room(count)
     rng = np.random.default_rng(1)
     polygons = [rng.integers(0, COUNT, 3 + k % 2) for k in range(200 if faces else 0)]
     header = (
-        f"ply\nformat {encoding} 1.0\ncomment by hand\nelement vertex {COUNT}\nproperty double x\nproperty double y\n"
+        f"ply\nformat {encoding} 1.0\ncomment by hand\nelement vertex {count}\nproperty double x\nproperty double y\n"
         "property double z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
         + (f"element face {len(polygons)}\nproperty list uchar int vertex_indices\n" if faces else "")
         + "end_header\n"
@@ -126,17 +152,22 @@ def ply(encoding: str, order: str, faces: bool) -> Sample:
     else:
         body = b"".join(p.astype(order + "f8").tobytes() + c.tobytes() for p, c in zip(xyz, color, strict=True))
         body += b"".join(bytes([len(polygon)]) + polygon.astype(order + "i4").tobytes() for polygon in polygons)
-    name = f"ply {encoding}{' faces' if faces else ''}"
-    return Sample(name, ".ply", header + body, len(header), words=True, text=encoding == "ascii")
+    name = f"ply {encoding}{' faces' if faces else ''}{'' if count else ' empty'}"
+    is_text = encoding == "ascii"
+    return Sample(name, ".ply", header + body, len(header), words=True, text=is_text, is_empty=not count)
 
 
-def pcd(encoding: str) -> Sample:
-    """PCD by hand, single precision, with packed colours; compressed without any copy, which LZF allows."""
-    xyz, _, color, _ = room()
+def pcd(encoding: str, count: int = COUNT, copies: bool = False) -> Sample:
+    """PCD by hand, single precision, with packed colours; compressed without any copy, which LZF allows, or with.
+
+    Copies need repetitions: coordinates are then multiples of 1/64 m.
+    """
+    xyz, _, color, _ = room(count)
+    xyz = np.round(xyz * 64) / 64 if copies else xyz
     rgb = color.astype(np.uint32) @ np.array([65536, 256, 1], np.uint32)
     header = (
         "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\n"
-        f"WIDTH {COUNT}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {COUNT}\nDATA {encoding}\n"
+        f"WIDTH {count}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {count}\nDATA {encoding}\n"
     ).encode()
     columns = [c.astype("<f4").tobytes() for c in xyz.T] + [rgb.astype("<u4").tobytes()]
     if encoding == "ascii":
@@ -145,11 +176,41 @@ def pcd(encoding: str) -> Sample:
         body = np.stack([np.frombuffer(c, "<u4") for c in columns], axis=1).tobytes()
     else:
         plain = b"".join(columns)
-        parts = [plain[k : k + 32] for k in range(0, len(plain), 32)]
-        packed = b"".join(bytes([len(part) - 1]) + part for part in parts)
+        packed = lzf(plain, copies)
         body = struct.pack("<II", len(packed), len(plain)) + packed
     fields = ((len(header), "<I"), (len(header) + 4, "<I")) if encoding == "binary_compressed" else ()
-    return Sample(f"pcd {encoding}", ".pcd", header + body, len(header), fields, words=True, text=encoding == "ascii")
+    name = f"pcd {encoding}{' copies' if copies else ''}{'' if count else ' empty'}"
+    is_text = encoding == "ascii"
+    return Sample(name, ".pcd", header + body, len(header), fields, words=True, text=is_text, is_empty=not count)
+
+
+def lzf(plain: bytes, copies: bool) -> bytes:
+    """Bytes compressed as `segmentation.io.lzf` has them, with copies of what came before, or without any."""
+    out, literal, at = bytearray(), bytearray(), 0
+    places: dict[bytes, int] = {}
+    while at < len(plain):
+        before = places.get(plain[at : at + 3], -LONGEST_BACK) if copies else -LONGEST_BACK
+        places[plain[at : at + 3]] = at
+        length, back = 0, at - before - 1
+        while back < LONGEST_BACK and length < 264 and plain[before + length] == plain[at + length]:
+            length += 1
+            if at + length == len(plain):
+                break
+        if length >= 3:
+            out += _literals(literal)
+            short = min(length - 2, 7)
+            out += bytes([short << 5 | back >> 8, *([length - 9] if short == 7 else []), back & 255])
+            literal = bytearray()
+            at += length
+        else:
+            literal.append(plain[at])
+            at += 1
+    return bytes(out + _literals(literal))
+
+
+def _literals(literal: bytes) -> bytes:
+    parts = (literal[k : k + 32] for k in range(0, len(literal), 32))
+    return b"".join(bytes([len(part) - 1]) + part for part in parts)
 
 
 def rows(name: str, suffix: str, header: str, row: str) -> Sample:
@@ -176,6 +237,8 @@ MAKERS: dict[str, Callable[[Path], Sample]] = {
     "las 1.2": lambda folder: las(folder, ".las", False),
     "laz 1.4": lambda folder: las(folder, ".laz", True),
     "laz 1.2": lambda folder: las(folder, ".laz", False),
+    "laz 1.2 chunks": lambda folder: las(folder, ".laz", False, chunk=CHUNK),
+    "laz 1.4 chunks": lambda folder: las(folder, ".laz", True, chunk=CHUNK),
     "e57 double": lambda folder: e57(folder, True),
     "e57 pose": lambda folder: e57(folder, False),
     **{
@@ -184,8 +247,15 @@ MAKERS: dict[str, Callable[[Path], Sample]] = {
         for faces in (False, True)
     },
     **{f"pcd {e}": lambda _, e=e: pcd(e) for e in ("ascii", "binary", "binary_compressed")},  # type: ignore[misc]
+    "pcd binary_compressed copies": lambda _: pcd("binary_compressed", copies=True),
     "pts": lambda _: rows("pts", ".pts", f"{COUNT}\n", "%.4f %.4f %.4f %.4f %d %d %d\n"),
     "ptx": lambda _: ptx(),
     "xyz": lambda _: rows("xyz", ".xyz", "", "%.4f %.4f %.4f %.4f %d %d %d\n"),
     "csv": lambda _: rows("csv", ".csv", "X,Y,Z,Intensity,R,G,B\n", "%.4f,%.4f,%.4f,%.4f,%d,%d,%d\n"),
+    "las 1.2 empty": lambda folder: las(folder, ".las", False, 0),
+    "laz 1.2 empty": lambda folder: las(folder, ".laz", False, 0),
+    "ply binary_little_endian empty": lambda _: ply("binary_little_endian", "<", False, 0),
+    "ply ascii empty": lambda _: ply("ascii", "", False, 0),
+    "pcd binary empty": lambda _: pcd("binary", 0),
+    "pcd binary_compressed empty": lambda _: pcd("binary_compressed", 0),
 }

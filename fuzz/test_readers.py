@@ -12,7 +12,7 @@ import pytest
 
 from fuzz.outcomes import FATAL, good_file, tally
 from fuzz.samples import MAKERS
-from segmentation import read
+from segmentation import ReadError, read
 
 MUTANTS = int(os.environ.get("FUZZ_MUTANTS", "200"))
 REDUNDANT = tuple(name for name in MAKERS if name not in ("xyz", "csv"))
@@ -29,6 +29,11 @@ def test_the_sample_is_good(tmp_path: Path, name: str) -> None:
     sample = MAKERS[name](tmp_path)
     path = tmp_path / f"good{sample.suffix}"
     path.write_bytes(good_file(sample))
+    assert sample.name == name
+    if sample.is_empty:
+        with pytest.raises(ReadError, match="holds no points"):
+            read(path)
+        return
     assert {note.code for note in read(path).notes} <= {"unit", "unit-assumed", "columns"}
 
 
