@@ -19,8 +19,9 @@ REDUNDANT = tuple(name for name in MAKERS if name not in ("xyz", "csv"))
 """Formats in which no lost sector may go unseen.
 
 LAS has a box and, by this library, counts by return; what packs the points of LAZ comes to nothing without one of its
-bytes; each page of an E57 has a checksum; PLY, PCD, PTS and PTX say how many points they have, texts hold no zero
-bytes, and points of zero bytes are told. XYZ and CSV say nothing: one that is cut behind a line is whole.
+bytes or, where colours and intensities have layers of their own, has no so many zeros together; each page of an E57 has
+a checksum; PLY, PCD, PTS and PTX say how many points they have, texts hold no zero bytes, and points of
+zero bytes are told. XYZ and CSV say nothing: one that is cut behind a line is whole.
 """
 
 
