@@ -25,6 +25,7 @@ from segmentation.io.specks import far_specks
 
 SECONDS = 10.0
 MEMORY = 2 << 30
+TURN = 1000  # mutants that a process reads: libE57 keeps 2 MB of each file whose packets break
 SAME = 1e-6  # m; points no further apart are the same, nor are normals further apart
 WARNING = {"damaged", "zeros", "unended", "unchecked", "dropped", "normals", "box", "specks"}
 """Codes of the notes by which people learn that points may be wrong; others say what is usual, as the unit taken."""
@@ -90,6 +91,7 @@ class _Worker:
         self._start()
 
     def _start(self) -> None:
+        self.left = TURN
         context = multiprocessing.get_context("spawn")
         self.pipe, theirs = context.Pipe()
         self.process = context.Process(target=_serve, args=(theirs, *self.asked), daemon=True)
@@ -103,6 +105,10 @@ class _Worker:
         if seed is None:
             return False
         self.seed = seed
+        if self.left == 0:
+            self.end()
+            self._start()
+        self.left -= 1
         self.begun = time.monotonic()
         self.pipe.send(seed)
         return True

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -114,9 +115,12 @@ def _raw_chunks(path: Path, image: Any, scan: Any) -> Iterator[dict[str, NDArray
     for f, array in arrays.items():
         buffers.append(libe57.SourceDestBuffer(image, f, array, capacity, True, True))
     reader = points.reader(buffers)
-    while n := reader.read():
-        yield {f: array[:n] for f, array in arrays.items()}
-    reader.close()
+    try:
+        while n := reader.read():
+            yield {f: array[:n] for f, array in arrays.items()}
+    finally:
+        with suppress(libe57.E57Exception):  # what broke it has been raised; left open it is never given back
+            reader.close()
 
 
 def _chunk(raw: dict[str, NDArray[Any]], scan: Any, pose: Pose | None, bounds: Bounds) -> Chunk:
