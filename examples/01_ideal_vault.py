@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from families import Groin
-from families.parameters import derived_declarations
+from families.declaration.parameters import derived_declarations
 
 
 def main(out: Path) -> None:

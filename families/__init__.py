@@ -1,16 +1,25 @@
 """Ideal masonry vaults: parameters, numeric surfaces, B-Rep and sampling. Knows no scan."""
 
-from families.barrel import Barrel
 from families.catalogue import FAMILIES, family, ideal, profile
-from families.dome import Dome
-from families.groin import Groin
-from families.lunette import Lunette
-from families.mirror import Mirror
-from families.parameters import Parameter, Range
-from families.profiles import PROFILES, BasketHandle, Elliptical, Pointed, Profile, Segmental, Semicircular, Stilted
-from families.sail import Sail
-from families.trough import Trough
-from families.vault import Surface, Vault
+from families.declaration.parameters import Parameter, Range
+from families.declaration.profiles import (
+    PROFILES,
+    BasketHandle,
+    Elliptical,
+    Pointed,
+    Profile,
+    Segmental,
+    Semicircular,
+    Stilted,
+)
+from families.declaration.vault import Surface, Vault
+from families.kinds.barrel import Barrel
+from families.kinds.dome import Dome
+from families.kinds.groin import Groin
+from families.kinds.lunette import Lunette
+from families.kinds.mirror import Mirror
+from families.kinds.sail import Sail
+from families.kinds.trough import Trough
 
 __all__ = [
     "FAMILIES",

@@ -5,16 +5,16 @@ from __future__ import annotations
 import unicodedata
 from typing import Any
 
-from families.barrel import Barrel
-from families.dome import Dome
-from families.groin import Groin
-from families.lengths import RATIOS, with_lengths
-from families.lunette import Lunette
-from families.mirror import Mirror
-from families.profiles import PROFILES, Profile
-from families.sail import Sail
-from families.trough import Trough
-from families.vault import Vault
+from families.declaration.lengths import RATIOS, with_lengths
+from families.declaration.profiles import PROFILES, Profile
+from families.declaration.vault import Vault
+from families.kinds.barrel import Barrel
+from families.kinds.dome import Dome
+from families.kinds.groin import Groin
+from families.kinds.lunette import Lunette
+from families.kinds.mirror import Mirror
+from families.kinds.sail import Sail
+from families.kinds.trough import Trough
 
 FAMILIES: tuple[type[Vault], ...] = (Sail, Barrel, Lunette, Trough, Mirror, Groin, Dome)
 
@@ -48,7 +48,7 @@ def ideal(name: str, /, **parameters: Any) -> Vault:
     """The vault of a family's name and parameters: `ideal("crociera", span_x=6, profile_x="pointed", rise_y=2)`.
 
     Profiles go by their names in any language or are given as they are, numbers by their flat names [m, rad or 1];
-    lengths that follow from ratios may stand for these (`rise_y`: see `families.lengths`).
+    lengths that follow from ratios may stand for these (`rise_y`: see `families.declaration.lengths`).
 
     Raises:
         ValueError: an unknown name, or a value that cannot be.

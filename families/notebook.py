@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from families.mesh import Mesh, mesh
-from families.palette import colour
-from families.parameters import derived_declarations
-from families.vault import IDENTITY, Vault
+from families.declaration.palette import colour
+from families.declaration.parameters import derived_declarations
+from families.declaration.vault import IDENTITY, Vault
+from families.solid.mesh import Mesh, mesh
 
 Floats = NDArray[np.float64]
 Row = tuple[str, str, str]  # name, value, meaning

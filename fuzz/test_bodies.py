@@ -11,11 +11,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from OCP.TopoDS import TopoDS_Shape
 
-from families import FAMILIES, PROFILES, Vault, brep
-from families.bodies import inside
-from families.parameters import Parametric
-from families.profiles import Profile
-from families.shapes import is_sound, volume
+from families import FAMILIES, PROFILES, Vault
+from families.declaration.parameters import Parametric
+from families.declaration.profiles import Profile
+from families.solid import brep
+from families.solid.body import inside
+from families.solid.occ.shapes import is_sound, volume
 
 T = 0.15
 POINTS = np.random.default_rng(0).uniform((-1, -1, 0), 1, (200_000, 3))

@@ -82,7 +82,7 @@ def _made(
     family: str | Vault, thickness: float | None, unit: str, parameters: dict[str, Any]
 ) -> tuple[cq.Shape, list[str]]:
     """A vault's body in its own frame, and the name of each of its faces in their order."""
-    from families import brep
+    from families.solid import brep
 
     if unit not in SCALES:
         raise ValueError(f"unit = {unit!r}; choose one of {', '.join(SCALES)}")

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import PROFILES, Profile, Vault
-from families.constraints import Constraint
-from families.profiles import as_kind
+from families.declaration.constraints import Constraint
+from families.declaration.profiles import as_kind
 from vaultcad.freedom import Demands
 from vaultcad.identity import is_its_family
 from vaultcad.likelihood import GAIN, STEPS, Field

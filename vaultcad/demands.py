@@ -8,8 +8,8 @@ from itertools import chain
 from math import inf, isfinite, pi
 
 from families import PROFILES, Vault, profile
-from families.constraints import Constraint
-from families.parameters import Range, derived_declarations
+from families.declaration.constraints import Constraint
+from families.declaration.parameters import Range, derived_declarations
 from vaultcad.freedom import DECIDES, LEVEL, RECTANGLE, SPRINGING, Demands
 
 PLACE = {

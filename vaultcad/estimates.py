@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from families.parameters import Derived, Range, derived_declarations
+from families.declaration.parameters import Derived, Range, derived_declarations
 from vaultcad.choices import Choice, deviation
 from vaultcad.coverage import Sight, information
 from vaultcad.model import Covariance, Estimate

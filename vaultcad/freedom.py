@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from families import PROFILES, Profile, Vault
-from families.constraints import Constraint
-from families.lengths import RATIOS
-from families.profiles import as_kind
+from families.declaration.constraints import Constraint
+from families.declaration.lengths import RATIOS
+from families.declaration.profiles import as_kind
 
 EXACT = 1e-6  # of sizes that are fixed
 Tie = Callable[[Vault], Mapping[str, float]]

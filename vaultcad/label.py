@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from families import kernel
+from families.void import kernel
 from segmentation.threads import threads
 from vaultcad.solve import Placed
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import BasketHandle, Elliptical, Pointed, Profile, Segmental, Semicircular, Stilted, Vault
-from families.constraints import Constraint
+from families.declaration.constraints import Constraint
 from vaultcad.solve import POSE, Solution
 
 Array = NDArray[np.float64]

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import FAMILIES, PROFILES, Vault
-from families.constraints import Constraint
-from families.profiles import as_kind
+from families.declaration.constraints import Constraint
+from families.declaration.profiles import as_kind
 from vaultcad.errors import NoVaultError
 from vaultcad.evidence import INDEPENDENT, Evidence
 from vaultcad.freedom import NONE, Demands, Freedom

@@ -9,8 +9,8 @@ from math import log
 import numpy as np
 from numpy.typing import NDArray
 
-from families.constraints import Constraint
-from families.skew import Skew
+from families.declaration.constraints import Constraint
+from families.declaration.corners import Skew
 from vaultcad.evidence import INDEPENDENT, Evidence
 from vaultcad.freedom import NONE, RECTANGLE, Demands, Freedom
 from vaultcad.recognise import CLOSE, PAYS, Hypothesis, turned_over

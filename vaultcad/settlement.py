@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from families.vault import Surface
+from families.declaration.vault import Surface
 from vaultcad.solve import Placed, Solution
 
 Array = NDArray[np.float64]

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from families import Vault, kernel
+from families import Vault
+from families.void import kernel
 from vaultcad.freedom import Freedom
 from vaultcad.model import Pose
 
@@ -34,7 +35,7 @@ class Placed:
         return out
 
     def packed(self) -> tuple[Array, Array, Array]:
-        """Frame, table of bodies and outline, as `families.kernel` takes them."""
+        """Frame, table of bodies and outline, as `families.void.kernel` takes them."""
         vault = self.vault
         return self.pose.frame(), kernel.pack(vault.pieces(), vault.components), kernel.pack_plan(vault.plan)
 

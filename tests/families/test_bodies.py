@@ -22,18 +22,18 @@ from families import (
     brep,
     kernel,
 )
-from families.bodies import inside
-from families.cells import Cell
-from families.curves import Bezier, Conic, Straight, arc_parameter, arc_poles, arc_weight, point
-from families.net import Net, Patch
-from families.outline import Bow
-from families.regions import area, regions
-from families.shapes import faces, is_sound, volume
-from families.sheets import Flat
-from families.slopes import Slope, forget, groin, turning
-from families.steps import Step
-from families.vault import IDENTITY
-from families.webs import webs
+from families.declaration.vault import IDENTITY
+from families.solid.barrel_faces import webs
+from families.solid.barrel_slopes import Slope, forget, groin, turning
+from families.solid.body import inside
+from families.solid.boundary import Step
+from families.solid.curves import Bezier, Conic, Straight, arc_parameter, arc_poles, arc_weight, point
+from families.solid.face_net import Net, Patch
+from families.solid.occ.shapes import faces, is_sound, volume
+from families.solid.plan_cells import Cell
+from families.solid.plane_regions import area, regions
+from families.solid.surfaces import Flat
+from families.void.profile_outline import Bow
 
 T = 0.15
 

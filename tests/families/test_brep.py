@@ -30,9 +30,9 @@ from families import (
     brep,
     shapes,
 )
-from families.mesh import mesh, mesh_solid
-from families.palette import colour
-from families.sampling import sample
+from families.declaration.palette import colour
+from families.solid.mesh import mesh, mesh_solid
+from families.void.sampling import sample
 
 Align = build123d.Align
 S = 4.0

@@ -8,8 +8,8 @@ import pytest
 from IPython.core.formatters import DisplayFormatter
 
 from families import FAMILIES, Groin, Pointed, notebook
+from families.declaration.parameters import derived_declarations
 from families.notebook import HTML, PLOTLY, outline
-from families.parameters import derived_declarations
 
 
 def displayed(value):

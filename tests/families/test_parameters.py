@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from families import FAMILIES, Barrel, Groin, Lunette, Mirror, Pointed, Segmental, Semicircular
-from families.parameters import derived_declarations
+from families.declaration.parameters import derived_declarations
 
 
 @pytest.mark.parametrize("family", FAMILIES)

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from families import PROFILES, BasketHandle, Elliptical, Pointed, Segmental, Semicircular, Stilted, profile
-from families.outline import half_outline
-from families.profiles import circle_through, junction
+from families.declaration.profiles import circle_through, junction
+from families.void.profile_outline import half_outline
 
 settings.register_profile("profiles", deadline=None)
 settings.load_profile("profiles")

@@ -7,9 +7,9 @@ import pytest
 import trimesh
 
 from families import FAMILIES, Groin, Segmental, Stilted, Vault
-from families.mesh import mesh, mesh_solid
-from families.relief import relief
-from families.skew import Skew
+from families.declaration.corners import Skew
+from families.solid.grid_mesh import relief
+from families.solid.mesh import mesh, mesh_solid
 
 VAULTS = (
     *(cls() for cls in FAMILIES),

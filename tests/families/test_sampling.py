@@ -3,7 +3,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from families import Barrel, Groin, Lunette, Sail, Semicircular
-from families.sampling import sample, sample_spacing
+from families.void.sampling import sample, sample_spacing
 
 
 def test_points_lie_on_the_surface_within_the_plan(any_vault):

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from families import FAMILIES, Vault, brep
-from families.mesh import mesh, mesh_solid
-from families.skew import Skew
+from families import FAMILIES, Vault
+from families.declaration.corners import Skew
+from families.solid import brep
+from families.solid.mesh import mesh, mesh_solid
 
 SKEW = Skew(0.06, 0.08, -0.05)
 EACH = pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.id)

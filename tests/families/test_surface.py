@@ -21,7 +21,7 @@ from families import (
     Vault,
     kernel,
 )
-from families.sampling import sample
+from families.void.sampling import sample
 
 # The height of each family's intrados over its plan, written down anew from the textbook formulas.
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from families import Dome, Groin, Lunette, Semicircular
-from families.sampling import GOLDEN, sample
+from families.void.sampling import GOLDEN, sample
 from segmentation import PRESETS, Settings, compare, detect
 
 SETTINGS = {"automatic": None, "preset": PRESETS["lunette-ideal"], "beta": Settings(beta=0.1)}

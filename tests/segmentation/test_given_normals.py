@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from families import Barrel, Groin
-from families.sampling import sample
+from families.void.sampling import sample
 from segmentation import compare, detect
 from segmentation.given_normals import usable
 

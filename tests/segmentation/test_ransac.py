@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from families import Barrel, Dome, Groin, Lunette, Mirror, Sail, Trough
-from families.sampling import sample
+from families.void.sampling import sample
 from segmentation import PRESETS, Settings, compare, detect
 from segmentation.primitives import Cylinder, Plane, Sphere, Torus
 from segmentation.ransac import ROUNDS

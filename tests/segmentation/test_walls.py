@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from families import Barrel, Sail
-from families.profiles import Segmental
-from families.sampling import sample
+from families.declaration.profiles import Segmental
+from families.void.sampling import sample
 from segmentation import PRESETS, Settings, compare, detect
 
 LIMITS = {

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from families import FAMILIES, Vault, family
-from families.parameters import derived_declarations
+from families.declaration.parameters import derived_declarations
 from vaultcad.model import Component, Deviation, Estimate, FittedVault, Model, Pose
 
 IDS = tuple(cls.id for cls in FAMILIES)

@@ -23,7 +23,7 @@ from families import (
     Trough,
     Vault,
 )
-from families.constraints import Constraint
+from families.declaration.constraints import Constraint
 from vaultcad.choices import Choice, deviation, kinds_of, likeliest, odds, rivals, weigh, widened
 from vaultcad.evidence import Evidence
 from vaultcad.freedom import NONE, Demands

@@ -75,7 +75,7 @@ def broken(monkeypatch):
 
     for cached in (geometry.masonry, geometry.exact, geometry.shell, geometry.bodies):
         cached.cache_clear()
-    monkeypatch.setattr("families.brep.masonry", never)
+    monkeypatch.setattr("families.solid.brep.masonry", never)
     yield
     for cached in (geometry.shell, geometry.bodies):
         cached.cache_clear()

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from families import FAMILIES, Dome, Groin, Lunette, Mirror, Pointed, Segmental, Stilted, Trough
-from families.mesh import Mesh
+from families.solid.mesh import Mesh
 from vaultcad.errors import ExportError
 from vaultcad.export.drawing import cut
 from vaultcad.export.geometry import Body, bodies, closed, loops, shell

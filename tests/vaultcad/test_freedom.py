@@ -19,7 +19,7 @@ from families import (
     Vault,
     profile,
 )
-from families.constraints import Constraint
+from families.declaration.constraints import Constraint
 from segmentation.cloud import Cloud
 from vaultcad.demands import constraints_of, demand, sizes_of
 from vaultcad.errors import NoVaultError

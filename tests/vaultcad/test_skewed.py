@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from families import Barrel, Groin, Segmental, Vault
-from families.mesh import mesh_solid
-from families.skew import Skew
+from families.declaration.corners import Skew
+from families.solid.mesh import mesh_solid
 from segmentation.cloud import Cloud
 from vaultcad.pipeline import Result, Settings, fit_scan
 from vaultcad.scanner import ScannerSettings, scan

@@ -7,7 +7,7 @@ from contextlib import suppress
 from importlib import import_module
 from threading import Thread
 
-SOLIDS = ("scipy.spatial", "scipy.ndimage", "families.brep", "manifold3d", "ifcopenshell.api")
+SOLIDS = ("scipy.spatial", "scipy.ndimage", "families.solid.brep", "manifold3d", "ifcopenshell.api")
 """What a fit needs, in that order."""
 
 

@@ -39,7 +39,7 @@ def families(
 
 
 def _show_family(cls: Any) -> None:
-    from families.parameters import derived_declarations
+    from families.declaration.parameters import derived_declarations
     from vaultcad.demands import constraints_of
 
     vault = cls()

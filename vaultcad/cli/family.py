@@ -9,8 +9,8 @@ from typing import Any
 from typer.core import TyperCommand, TyperGroup
 
 from families import FAMILIES, PROFILES, Profile, Vault, family, profile
-from families.lengths import RATIOS, with_lengths
-from families.parameters import Parameter
+from families.declaration.lengths import RATIOS, with_lengths
+from families.declaration.parameters import Parameter
 from vaultcad.cli.errors import InputError, refusing
 from vaultcad.cli.lengths import length_options
 from vaultcad.cli.options import Option, flag, number, read, single, span, with_options

@@ -45,7 +45,7 @@ def ideal(
 
     import numpy as np
 
-    from families.sampling import sample, sample_spacing
+    from families.void.sampling import sample, sample_spacing
     from segmentation.io.write import write_cloud
 
     rng = np.random.default_rng(seed)

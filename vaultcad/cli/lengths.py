@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from families import Vault
-from families.lengths import RATIOS
-from families.parameters import derived_declarations
+from families.declaration.lengths import RATIOS
+from families.declaration.parameters import derived_declarations
 from vaultcad.cli.options import Bounds, Option, flag, read
 
 LONGEST = 1000.0  # m, so that what is no length is told at once

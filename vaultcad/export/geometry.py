@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
-from families.mesh import Mesh, mesh_solid
-from families.parts import Turned
-from families.relief import relief
+from families.declaration.pieces import Turned
+from families.solid.grid_mesh import relief
+from families.solid.mesh import Mesh, mesh_solid
 from vaultcad.errors import ExportError
 
 TOLERANCE = 0.003  # [m] between triangles and the exact surface, below what scanners can tell
@@ -54,14 +54,14 @@ class Body:
 @lru_cache(maxsize=KEPT)
 def masonry(vault: Vault, thickness: float) -> Any:
     """The exact masonry (TopoDS_Shape) in the vault's frame [mm]."""
-    from families import brep
+    from families.solid import brep
 
     return brep.masonry(vault, thickness)
 
 
 @lru_cache(maxsize=KEPT)
 def exact(vault: Vault, thickness: float) -> Mesh:
-    """The masonry as one closed mesh, as `families.mesh.mesh_solid` makes it.
+    """The masonry as one closed mesh, as `families.solid.mesh.mesh_solid` makes it.
 
     Raises:
         ValueError: OpenCASCADE cannot build it, or it has a hole.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from families.mesh import Mesh
+from families.solid.mesh import Mesh
 from vaultcad.export.geometry import Floats, Triangles, shell
 from vaultcad.export.palette import Colour, colour
 from vaultcad.model import FittedVault, Model

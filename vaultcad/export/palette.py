@@ -1,5 +1,5 @@
 """The families' colours, as all exporters know them."""
 
-from families.palette import COMPONENTS, STONE, Colour, colour
+from families.declaration.palette import COMPONENTS, STONE, Colour, colour
 
 __all__ = ["COMPONENTS", "STONE", "Colour", "colour"]

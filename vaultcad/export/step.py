@@ -83,7 +83,7 @@ def write_step(model: Model, path: Path) -> None:
 def _part(shapes: XCAFDoc_ShapeTool, main: TDF_Label, fitted: FittedVault, thickness: float, name: str) -> TDF_Label:
     from OCP.XCAFDoc import XCAFDoc_ColorSurf, XCAFDoc_DocumentTool
 
-    from families import brep
+    from families.solid import brep
 
     vault, solid = fitted.vault, _solid(masonry(fitted.vault, thickness))
     colours = XCAFDoc_DocumentTool.ColorTool_s(main)

@@ -62,7 +62,7 @@ def vault_triangles(vault: Vault) -> Triangles:
     Raises:
         VaultcadError: the mesh of the B-Rep has a gap or leaves the numeric surface, so that labels would be wrong.
     """
-    from families.mesh import mesh
+    from families.solid.mesh import mesh
 
     ideal = mesh(vault, TOLERANCE)
     off = float(np.abs(vault.distance(ideal.vertices)).max())

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import isfinite, pi
 from typing import Annotated, Literal, get_args
 
-from families.parameters import Parametric, Range
+from families.declaration.parameters import Parametric, Range
 
 Walls = Literal["walls", "piers"]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from families import Profile, Vault
-    from families.parameters import Parameter
+    from families.declaration.parameters import Parameter
     from vaultcad.workbench.protocol import Request
 
 GROUPS = {"vault": "Dimensions", "profile": "Arches", "size": "Sizes"}
@@ -28,8 +28,8 @@ def declared(cls: type[Vault]) -> dict[str, Any]:
     a range it has `choices`, profile id -> the parameters that this profile adds.
     """
     from families import Profile
-    from families.lengths import RATIOS
-    from families.parameters import derived_declarations
+    from families.declaration.lengths import RATIOS
+    from families.declaration.parameters import derived_declarations
 
     vault = cls()
     own, values = {p.path[0]: p for p in vault.parameters()}, vault.values()

@@ -21,8 +21,8 @@ def build(request: Request) -> dict[str, Any]:
     a parameter. Told: `faces`, the component of each face in the order of the file; `colours` by component; the
     `parameters`, and the `sizes` that follow from them [m, rad].
     """
-    from families.lengths import with_lengths
-    from families.palette import colour
+    from families.declaration.lengths import with_lengths
+    from families.declaration.palette import colour
     from segmentation.io.whole import replacing
 
     vault = vault_of(request.text("family"), request.texts("profiles"), request.numbers("parameters"))
@@ -43,7 +43,7 @@ def made(vault: Vault, thickness: float) -> tuple[TopoDS_Shape, list[str]]:
     Raises:
         ValueError: the thickness [m] is below 0, or OpenCASCADE cannot build the vault.
     """
-    from families import brep
+    from families.solid import brep
 
     shape = brep.masonry(vault, thickness) if thickness else brep.surface(vault)
     return shape, [name for _, name in brep.face_names(shape, vault)]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from families import FAMILIES, PROFILES, Pointed, family
-from families.lengths import RATIOS, with_lengths
-from families.parameters import Range
+from families.declaration.lengths import RATIOS, with_lengths
+from families.declaration.parameters import Range
 from segmentation import read
 from segmentation.io.labels import read_labels
 from vaultcad.cli.errors import InputError

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from families import family
-from families.profiles import Segmental
+from families.declaration.profiles import Segmental
 from segmentation import read, write_cloud
 from vaultcad.scanner import ScannerSettings, scan
 

@@ -18,8 +18,9 @@ from OCP.BRep import BRep_Builder
 from OCP.BRepTools import BRepTools
 from OCP.TopoDS import TopoDS_Shape
 
-from families import FAMILIES, brep, family
-from families.shapes import volume
+from families import FAMILIES, family
+from families.solid import brep
+from families.solid.occ.shapes import volume
 from segmentation import write_cloud
 from vaultcad.workbench.declarations import declared, vault_of
 from vaultcad.workbench.install import ADD_ON

@@ -1,0 +1,194 @@
+"""The base of all families: parameters, components, and the numeric surface they share."""
+
+from __future__ import annotations
+
+import os
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families.declaration.constraints import Constraint
+from families.declaration.corners import Skew
+from families.declaration.parameters import Parametric
+from families.declaration.pieces import Piece, Plan
+from families.declaration.profiles import Profile
+
+if TYPE_CHECKING:
+    import build123d
+
+    from families.void.sampling import Sample
+
+IDENTITY = np.eye(3, 4)
+CHUNK = 1 << 17  # points that a thread takes at once
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Where points stand against a vault: signed distance (n,) [m], component (n,), unit normal (n, 3) into the stone.
+
+    Distances are positive in the stone and negative in the room. Component 0 is wall, else 1 + index in `components`.
+    """
+
+    distance: NDArray[np.float64]
+    component: NDArray[np.uint16]
+    normal: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Vault(Parametric):
+    """A vault in its frame: origin at the centre of the plan on the springing, x and y along its sides, z up [m]."""
+
+    id: ClassVar[str]
+    title: ClassVar[str]
+    aliases: ClassVar[dict[str, tuple[str, ...]]]  # language code -> names
+    constraints: ClassVar[tuple[Constraint, ...]] = ()  # in the order in which a fit tries them
+
+    skew: Skew | None = field(default=None, kw_only=True)  # where the plan is no rectangle
+
+    @property
+    @abstractmethod
+    def components(self) -> tuple[str, ...]:
+        """Names of the components; the id of one is 1 + its index."""
+
+    @property
+    @abstractmethod
+    def plan(self) -> Plan:
+        """Half extents of the plan."""
+
+    @abstractmethod
+    def pieces(self) -> tuple[Piece, ...]:
+        """The void, from which the numeric surface and the solid are both made."""
+
+    def evaluate(
+        self, xyz: NDArray[np.floating], *, frame: NDArray[np.float64] = IDENTITY, walls: bool = False
+    ) -> Surface:
+        """Signed distance, component and normal of points (n, 3) [m].
+
+        Args:
+            xyz: the points.
+            frame: (3, 4) rigid motion that brings the points into the vault's frame.
+            walls: the vault on its walls: points nearer to a wall, or below the springing, have component 0.
+        """
+        from families.void import kernel
+
+        if self.skew is not None:
+            return self._skewed(self.skew, xyz, frame, walls)
+        table = kernel.pack(self.pieces(), self.components)
+        plan = kernel.pack_plan(self.plan if walls else None)
+        parts = _in_threads(lambda points: kernel.surface(points, frame, table, plan), _points(xyz))
+        if len(parts) == 1:
+            return Surface(*parts[0])
+        return Surface(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+    def distance(
+        self, xyz: NDArray[np.floating], *, frame: NDArray[np.float64] = IDENTITY, walls: bool = False
+    ) -> NDArray[np.float64]:
+        """Signed distances (n,) [m] of points (n, 3), positive in the stone."""
+        from families.void import kernel
+
+        if self.skew is not None:
+            return self._skewed(self.skew, xyz, frame, walls).distance
+        table = kernel.pack(self.pieces(), self.components)
+        plan = kernel.pack_plan(self.plan if walls else None)
+        parts = _in_threads(lambda points: kernel.distances(points, frame, table, plan), _points(xyz))
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    @property
+    def profiles(self) -> dict[str, Profile]:
+        """The arches that it is made with, by the names of their fields."""
+        return {name: value for name, value in vars(self).items() if isinstance(value, Profile)}
+
+    @property
+    def kinds(self) -> dict[str, str]:
+        """The ids of their kinds, likewise."""
+        return {name: arch.id for name, arch in self.profiles.items()}
+
+    @property
+    def straight(self) -> Self:
+        """The same over the rectangle from which its plan was skewed."""
+        return self if self.skew is None else replace(self, skew=None)
+
+    def with_arches(self, profiles: Mapping[str, Profile]) -> Self:
+        """The same with other profiles, by the names of the fields."""
+        changed: dict[str, Any] = dict(profiles)
+        return replace(self, **changed)
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """The corners of the plan (4, 2) [m], counterclockwise from south west."""
+        return (self.skew or Skew()).corners(self.plan.half)
+
+    def bent(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points (n, 3) [m] of the straight vault, where they are in this one."""
+        return points if self.skew is None else self.skew.bent(points, self.plan.half)
+
+    def _skewed(self, skew: Skew, xyz: NDArray[np.floating], frame: NDArray[np.float64], walls: bool) -> Surface:
+        """Straightened points against the straight vault; exact on it, to first order beside it."""
+        turn, half = frame[:, :3], self.plan.half
+        points = skew.straightened(_points(xyz) @ turn.T + frame[:, 3], half)
+        here = self.straight.evaluate(points, walls=walls)
+        gradient = skew.gradients(points, here.normal, half)
+        size = np.linalg.norm(gradient, axis=1)
+        return Surface(here.distance / size, here.component, (gradient / size[:, None]) @ turn)
+
+    def intrados(self) -> build123d.Compound:
+        """The intrados [mm]: one labelled, coloured face or shell a component."""
+        from families.solid import brep
+
+        return brep.intrados(self)
+
+    def void(self) -> build123d.Part:
+        """The room under the vault [mm], above the springing and within the plan, to be cut out of a block."""
+        from families.solid import brep
+
+        return brep.room(self)
+
+    def solid(self, thickness: float = 0.15) -> build123d.Part:
+        """The masonry [mm] between the intrados and an extrados with all radii larger by `thickness` [m]."""
+        from families.solid import brep
+
+        return brep.solid(self, thickness)
+
+    def named_faces(self, shape: build123d.Shape) -> dict[str, build123d.ShapeList[build123d.Face]]:
+        """The faces of this vault's void or solid, labelled and coloured, by component, "extrados" and "side".
+
+        build123d itself keeps no names of faces: ask here after each time that the body was made or moved back.
+        """
+        from families.solid import brep
+
+        return brep.named_faces(shape, self)
+
+    def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, Any]:
+        """What a notebook shows."""
+        from families import notebook
+
+        return notebook.bundle(self)
+
+    def sample(self, count: int, rng: np.random.Generator) -> Sample:
+        """`count` points spread evenly over the intrados, with normals and components."""
+        from families.void import sampling
+
+        return sampling.sample(self, count, rng)
+
+
+def _in_threads(work: Callable[[NDArray[np.float64]], Found], points: NDArray[np.float64]) -> list[Found]:
+    """The results of compiled work, which lets other threads run, on runs of `CHUNK` points in their order."""
+    # The first alone: numba loads what it knows of types then, which must not happen while another thread looks it up.
+    found = [work(points[:CHUNK])]
+    if len(points) > CHUNK:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            found += pool.map(work, (points[k : k + CHUNK] for k in range(CHUNK, len(points), CHUNK)))
+    return found
+
+
+def _points(xyz: NDArray[np.floating]) -> NDArray[np.float64]:
+    points = np.ascontiguousarray(xyz, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ValueError(f"points of shape {points.shape} given; (n, 3) is needed")
+    return points

@@ -1,0 +1,54 @@
+"""Barrel vault: a profile drawn along an axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from families.declaration.parameters import Range, derived
+from families.declaration.pieces import Barrel as BarrelPart
+from families.declaration.pieces import Piece, Plan
+from families.declaration.profiles import Profile, Semicircular
+from families.declaration.vault import Vault
+
+
+@dataclass(frozen=True)
+class Barrel(Vault):
+    """Profile across x, drawn along y."""
+
+    id: ClassVar[str] = "barrel"
+    title: ClassVar[str] = "barrel vault"
+    aliases: ClassVar[dict[str, tuple[str, ...]]] = {
+        "it": ("botte", "volta a botte"),
+        "fr": ("berceau", "voûte en berceau"),
+        "de": ("tonne", "tonnengewölbe"),
+        "es": ("cañón", "bóveda de cañón"),
+    }
+
+    span: Annotated[float, Range(0.5, 40, "m", "clear width at the springing, across the axis")] = 5.0
+    length: Annotated[float, Range(0.5, 100, "m", "extent along the axis")] = 8.0
+    profile: Profile = Semicircular()
+
+    @derived("m", "crown above the springing")
+    def rise(self) -> float:
+        """Crown above the springing [m]."""
+        return self.profile.curve(self.span / 2).rise
+
+    @derived("m", "radius of curvature at the crown")
+    def radius(self) -> float:
+        """Radius of curvature at the crown [m]."""
+        return self.profile.curve(self.span / 2).crown_radius
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """One."""
+        return ("barrel",)
+
+    @property
+    def plan(self) -> Plan:
+        """Span by length; the springings stand on the walls."""
+        return Plan(self.span / 2, self.length / 2, on_wall_x=True)
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """One barrel."""
+        return (Piece((BarrelPart("x", self.profile.curve(self.span / 2), ("barrel", "barrel")),)),)

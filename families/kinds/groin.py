@@ -1,0 +1,146 @@
+"""Groin vault: two barrels that cross; the higher one shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from families.declaration.constraints import Constraint
+from families.declaration.parameters import Range, derived
+from families.declaration.pieces import Barrel as BarrelPart
+from families.declaration.pieces import Direction, Piece, Plan
+from families.declaration.profiles import Profile, Semicircular
+from families.declaration.vault import Vault
+
+BEGUN = 0.02  # where a crown rise or an offset is looked for first
+
+
+def _raised(vault: Groin) -> dict[str, float]:
+    """A crown that rises a little."""
+    return {"crown_rise_ratio": BEGUN}
+
+
+def _outside_x(vault: Groin) -> dict[str, float]:
+    """Springings a little inside the wall arches, which stay where they are."""
+    return {"offset_x_ratio": BEGUN, "span_x": 2 * vault.plan.half_x / (1 + 2 * BEGUN)}
+
+
+def _outside_y(vault: Groin) -> dict[str, float]:
+    """Springings a little inside the wall arches, which stay where they are."""
+    return {"offset_y_ratio": BEGUN, "span_y": 2 * vault.plan.half_y / (1 + 2 * BEGUN)}
+
+
+def _equal_rises(vault: Groin) -> dict[str, float]:
+    """The rise of one barrel by that of the other, where its profile has one to choose."""
+    for name, profile, rise, span in (
+        ("rise_ratio_y", vault.profile_y, vault.rise_x, vault.span_y),
+        ("rise_ratio_x", vault.profile_x, vault.rise_y, vault.span_x),
+    ):
+        ranges = [p.range for p in profile.parameters() if p.name == "rise_ratio"]
+        if ranges:
+            return {name: min(max(rise / span, ranges[0].low), ranges[0].high)}
+    return {}
+
+
+@dataclass(frozen=True)
+class Groin(Vault):
+    """Barrel of `profile_x` across x along y, crossed by one of `profile_y` across y along x.
+
+    `crown_rise_ratio` lifts the crown at the middle above the wall arches (domical); the wall arches may stand
+    outside the rectangle of the springings by an offset.
+    """
+
+    id: ClassVar[str] = "groin"
+    title: ClassVar[str] = "groin vault"
+    aliases: ClassVar[dict[str, tuple[str, ...]]] = {
+        "it": ("crociera", "volta a crociera"),
+        "fr": ("voûte d'arêtes", "arêtes"),
+        "de": ("kreuzgratgewölbe", "kreuzgewölbe", "kreuzgrat"),
+        "es": ("arista", "bóveda de arista", "crucería"),
+    }
+    constraints: ClassVar[tuple[Constraint, ...]] = (
+        Constraint(
+            "level-crown",
+            "the crown is as high as the wall arches",
+            {"crown_rise_ratio": 0.0},
+            begins=_raised,
+            rare=True,
+        ),
+        Constraint(
+            "flush-x",
+            "the wall arches in x stand over the springings",
+            {"offset_x_ratio": 0.0},
+            begins=_outside_x,
+            rare=True,
+        ),
+        Constraint(
+            "flush-y",
+            "the wall arches in y stand over the springings",
+            {"offset_y_ratio": 0.0},
+            begins=_outside_y,
+            rare=True,
+        ),
+        Constraint("equal-rises", "both barrels are equally high", follows=_equal_rises),
+    )
+
+    span_x: Annotated[float, Range(0.5, 40, "m", "clear width at the springing along x")] = 5.0
+    span_y: Annotated[float, Range(0.5, 40, "m", "clear width at the springing along y")] = 5.0
+    profile_x: Profile = Semicircular()
+    profile_y: Profile = Semicircular()
+    crown_rise_ratio: Annotated[float, Range(0, 0.3, "1", "crown above the higher wall arch / its rise")] = 0.0
+    offset_x_ratio: Annotated[float, Range(0, 0.3, "1", "wall arches outside the springings in x / span_x")] = 0.0
+    offset_y_ratio: Annotated[float, Range(0, 0.3, "1", "wall arches outside the springings in y / span_y")] = 0.0
+
+    @derived("m", "rise of the arch across x, over the southern and northern walls")
+    def rise_x(self) -> float:
+        """Rise of the arch across x [m]."""
+        return self.profile_x.rise(self.span_x / 2)
+
+    @derived("m", "rise of the arch across y, over the western and eastern walls")
+    def rise_y(self) -> float:
+        """Rise of the arch across y [m]."""
+        return self.profile_y.rise(self.span_y / 2)
+
+    @derived("m", "crown at the middle above the springing")
+    def rise(self) -> float:
+        """Crown at the middle above the springing [m]."""
+        return max(self.rise_x, self.rise_y) + self.crown_rise
+
+    @derived("m", "crown at the middle above the higher wall arch")
+    def crown_rise(self) -> float:
+        """Crown at the middle above the higher wall arch [m]."""
+        return self.crown_rise_ratio * max(self.rise_x, self.rise_y)
+
+    @derived("m", "distance of the western and eastern wall arches outside the springings")
+    def offset_x(self) -> float:
+        """Distance of the western and eastern wall arches outside the springings [m]."""
+        return self.offset_x_ratio * self.span_x
+
+    @derived("m", "distance of the southern and northern wall arches outside the springings")
+    def offset_y(self) -> float:
+        """Distance of the southern and northern wall arches outside the springings [m]."""
+        return self.offset_y_ratio * self.span_y
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Four webs."""
+        return ("web_south", "web_north", "web_west", "web_east")
+
+    @property
+    def plan(self) -> Plan:
+        """The rectangle of the wall arches."""
+        return Plan(self.span_x / 2 + self.offset_x, self.span_y / 2 + self.offset_y)
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Two barrels, both with their axes lifted by as much at the middle."""
+        plan = self.plan
+
+        def barrel(span: float, profile: Profile, across: Direction, names: tuple[str, str]) -> Piece:
+            curve = profile.curve(span / 2)
+            length = plan.half_y if across == "x" else plan.half_x
+            return Piece((BarrelPart(across, curve, names, crown_rise=self.crown_rise, half_length=length),))
+
+        return (
+            barrel(self.span_x, self.profile_x, "x", ("web_south", "web_north")),
+            barrel(self.span_y, self.profile_y, "y", ("web_west", "web_east")),
+        )

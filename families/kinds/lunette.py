@@ -1,0 +1,115 @@
+"""Barrel vault with lunettes: a barrel cut by transverse barrels, a row of them on either side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from families.declaration.constraints import Constraint
+from families.declaration.parameters import Range, derived
+from families.declaration.pieces import Barrel as BarrelPart
+from families.declaration.pieces import Piece, Plan
+from families.declaration.profiles import Profile, Segmental, Semicircular
+from families.declaration.vault import Vault
+
+
+def _off_centre(vault: Lunette) -> dict[str, float]:
+    """A row that is shifted a little."""
+    return {"shift_ratio": 0.02}
+
+
+@dataclass(frozen=True)
+class Lunette(Vault):
+    """Barrel across x along y; `count` lunettes a side at equal distances, opposite each other.
+
+    A lunette's width is a share of the widest that fits between its neighbours and under the barrel's crown; its
+    springing a share of the height then left, so that every combination is a vault.
+    """
+
+    id: ClassVar[str] = "lunette"
+    title: ClassVar[str] = "barrel vault with lunettes"
+    aliases: ClassVar[dict[str, tuple[str, ...]]] = {
+        "it": ("lunettata", "volta a botte lunettata", "botte lunettata", "botte con lunette"),
+        "fr": ("berceau à lunettes", "voûte à lunettes", "lunettes"),
+        "de": ("stichkappentonne", "tonne mit stichkappen", "stichkappen"),
+        "es": ("lunetos", "bóveda de lunetos", "cañón con lunetos"),
+    }
+    constraints: ClassVar[tuple[Constraint, ...]] = (
+        Constraint(
+            "centred-row", "the row of lunettes is in the middle of the length", {"shift_ratio": 0.0}, rare=True
+        ),
+        Constraint("even-row", "the lunettes share the length evenly", {"pitch_ratio": 1.0}),
+        Constraint("common-springing", "the lunettes spring with the barrel", {"springing_ratio": 0.0}),
+    )
+
+    span: Annotated[float, Range(0.5, 40, "m", "clear width at the springing, across the axis")] = 5.0
+    length: Annotated[float, Range(0.5, 100, "m", "extent along the axis")] = 9.0
+    profile: Profile = Segmental(0.45)
+    count: Annotated[int, Range(1, 12, "1", "lunettes on either side")] = 3
+    pitch_ratio: Annotated[float, Range(0.3, 1, "1", "distance between lunettes x their number / length")] = 1.0
+    shift_ratio: Annotated[float, Range(-1, 1, "1", "shift of the row along y / the slack at its ends")] = 0.0
+    width_ratio: Annotated[float, Range(0.2, 1, "1", "width of a lunette / the widest that fits")] = 0.8
+    springing_ratio: Annotated[float, Range(0, 1, "1", "springing of a lunette / the highest that fits")] = 0.3
+    lunette_profile: Profile = Semicircular()
+
+    @derived("m", "crown of the barrel above its springing")
+    def rise(self) -> float:
+        """Crown of the barrel above its springing [m]."""
+        return self.profile.curve(self.span / 2).rise
+
+    @derived("m", "radius of curvature of the barrel at the crown")
+    def radius(self) -> float:
+        """Radius of curvature of the barrel at the crown [m]."""
+        return self.profile.curve(self.span / 2).crown_radius
+
+    @derived("m", "distance between the centres of neighbouring lunettes")
+    def pitch(self) -> float:
+        """Distance between the centres of neighbouring lunettes [m]."""
+        return self.pitch_ratio * self.length / self.count
+
+    @derived("m", "shift of the row of lunettes along y")
+    def shift(self) -> float:
+        """Shift of the row of lunettes along y [m]."""
+        return self.shift_ratio * (self.length - self.count * self.pitch) / 2
+
+    @derived("m", "clear width of a lunette")
+    def lunette_span(self) -> float:
+        """Clear width of a lunette [m]."""
+        # A profile's rise grows in proportion to its span, so the widest under the crown follows from a unit arch.
+        unit = self.lunette_profile.curve(0.5).rise
+        return self.width_ratio * min(self.pitch, self.rise / unit)
+
+    @derived("m", "crown of a lunette above its springing")
+    def lunette_rise(self) -> float:
+        """Crown of a lunette above its springing [m]."""
+        return self.lunette_profile.curve(self.lunette_span / 2).rise
+
+    @derived("m", "springing of a lunette above that of the barrel")
+    def lunette_springing(self) -> float:
+        """Springing of a lunette above that of the barrel [m]."""
+        return self.springing_ratio * (self.rise - self.lunette_rise)
+
+    @property
+    def positions(self) -> tuple[float, ...]:
+        """Centres of the lunettes along y [m]."""
+        return tuple(self.shift + (k - (self.count - 1) / 2) * self.pitch for k in range(self.count))
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """The barrel, then the lunettes in pairs from south to north."""
+        return ("barrel", *(f"lunette_{side}_{k + 1}" for k in range(self.count) for side in ("west", "east")))
+
+    @property
+    def plan(self) -> Plan:
+        """Span by length; the springings stand on the walls."""
+        return Plan(self.span / 2, self.length / 2, on_wall_x=True)
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """The barrel and one transverse barrel for each pair of lunettes."""
+        barrel = BarrelPart("x", self.profile.curve(self.span / 2), ("barrel", "barrel"))
+        curve = self.lunette_profile.curve(self.lunette_span / 2)
+        lunettes = (
+            BarrelPart("y", curve, (f"lunette_west_{k}", f"lunette_east_{k}"), centre=y, base=self.lunette_springing)
+            for k, y in enumerate(self.positions, 1)
+        )
+        return (Piece((barrel,)), *(Piece((part,)) for part in lunettes))

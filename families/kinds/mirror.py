@@ -1,0 +1,107 @@
+"""Mirror vault: coves on four sides and a plane between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from families.declaration.constraints import Constraint
+from families.declaration.parameters import Range, derived
+from families.declaration.pieces import Barrel as BarrelPart
+from families.declaration.pieces import Ceiling, Piece, Plan
+from families.declaration.profiles import circle_through, segmental
+from families.declaration.vault import Vault
+
+SIDES = (("south", "y", -1), ("north", "y", 1), ("west", "x", -1), ("east", "x", 1))
+
+
+def _equal_coves(vault: Mirror) -> dict[str, float]:
+    """The run of the coves in y by that in x, or as near as can be."""
+    return {"run_y_ratio": min(max(vault.run_x / (vault.span_y / 2), 0.1), 1.0)}
+
+
+@dataclass(frozen=True)
+class Mirror(Vault):
+    """Trough cut by a horizontal plane.
+
+    The coves are arcs of run S and rise H, R = (S² + H²) / (2 H): S is the run of a cove from the wall to where it
+    would be level, H its rise there. With `plane_ratio` = 1 the plane touches them there; below 1 it cuts them, and R
+    is free of the run and rise that remain visible.
+    """
+
+    id: ClassVar[str] = "mirror"
+    title: ClassVar[str] = "mirror vault"
+    aliases: ClassVar[dict[str, tuple[str, ...]]] = {
+        "it": ("specchio", "schifo", "gavetta", "volta a specchio", "volta a schifo"),
+        "fr": ("voûte en miroir", "arc de cloître à plafond", "voussure à plafond"),
+        "de": ("spiegelgewölbe",),
+        "es": ("espejo", "bóveda de espejo", "artesa"),
+    }
+    constraints: ClassVar[tuple[Constraint, ...]] = (
+        Constraint("tangent-plane", "the plane touches the coves where they are level", {"plane_ratio": 1.0}),
+        Constraint("quarter-coves", "the coves spring vertically, R = S = H", {"rise_ratio": 1.0}),
+        Constraint("equal-coves", "all coves have the same run", follows=_equal_coves),
+    )
+
+    span_x: Annotated[float, Range(0.5, 40, "m", "clear width at the springing along x")] = 5.0
+    span_y: Annotated[float, Range(0.5, 100, "m", "clear width at the springing along y")] = 7.0
+    run_x_ratio: Annotated[float, Range(0.1, 1, "1", "run S of the coves in x / half of span_x")] = 0.5
+    run_y_ratio: Annotated[float, Range(0.1, 1, "1", "run S of the coves in y / half of span_y")] = 0.4
+    rise_ratio: Annotated[float, Range(0.2, 1, "1", "rise H of the whole coves / the smaller run")] = 0.8
+    plane_ratio: Annotated[float, Range(0.2, 1, "1", "height of the plane / H; 1 touches the coves")] = 1.0
+
+    @derived("m", "run S of the whole coves in x, up to where they are level")
+    def run_x(self) -> float:
+        """Run S of the whole coves in x [m]."""
+        return self.run_x_ratio * self.span_x / 2
+
+    @derived("m", "run S of the whole coves in y, up to where they are level")
+    def run_y(self) -> float:
+        """Run S of the whole coves in y [m]."""
+        return self.run_y_ratio * self.span_y / 2
+
+    @derived("m", "rise H of the whole coves")
+    def cove_rise(self) -> float:
+        """Rise H of the whole coves [m]."""
+        return self.rise_ratio * min(self.run_x, self.run_y)
+
+    @derived("m", "height of the plane above the springing")
+    def rise(self) -> float:
+        """Height of the plane above the springing [m]."""
+        return self.plane_ratio * self.cove_rise
+
+    @derived("m", "radius R = (S² + H²) / (2 H) of the coves in x")
+    def radius_x(self) -> float:
+        """Radius of the coves in x [m]."""
+        return circle_through(self.run_x, self.cove_rise)
+
+    @derived("m", "radius R = (S² + H²) / (2 H) of the coves in y")
+    def radius_y(self) -> float:
+        """Radius of the coves in y [m]."""
+        return circle_through(self.run_y, self.cove_rise)
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Four coves and the plane."""
+        return (*(f"cove_{name}" for name, _, _ in SIDES), "plane")
+
+    @property
+    def plan(self) -> Plan:
+        """The rectangle; the stone stands on all four walls."""
+        return Plan(self.span_x / 2, self.span_y / 2, on_wall_x=True, on_wall_y=True)
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Intersection of four coves and the plane."""
+        half = {"x": self.span_x / 2, "y": self.span_y / 2}
+        run = {"x": self.run_x, "y": self.run_y}
+        coves = tuple(
+            BarrelPart(
+                "x" if axis == "x" else "y",
+                segmental(run[axis], self.cove_rise),
+                (f"cove_{name}", f"cove_{name}"),
+                centre=side * (half[axis] - run[axis]),
+                side=side,
+            )
+            for name, axis, side in SIDES
+        )
+        return (Piece((*coves, Ceiling(self.rise, ("plane",)))),)

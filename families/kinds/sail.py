@@ -1,0 +1,62 @@
+"""Sail vault: a sphere over a rectangle, through its corners."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot
+from typing import Annotated, ClassVar
+
+from families.declaration.constraints import Constraint
+from families.declaration.parameters import Range, derived
+from families.declaration.pieces import Ball, Piece, Plan
+from families.declaration.profiles import circle_through
+from families.declaration.vault import Vault
+
+
+@dataclass(frozen=True)
+class Sail(Vault):
+    """Sphere of radius R = (d² + h²) / (2 h) through the corners, d half the diagonal and h the rise above them."""
+
+    id: ClassVar[str] = "sail"
+    title: ClassVar[str] = "sail vault"
+    aliases: ClassVar[dict[str, tuple[str, ...]]] = {
+        "it": ("vela", "volta a vela"),
+        "fr": ("voûte en pendentifs", "cul-de-four"),
+        "de": ("hängekuppel", "böhmische kappe", "stutzkuppel"),
+        "es": ("bóveda vaída", "vaída", "baída"),
+    }
+    constraints: ClassVar[tuple[Constraint, ...]] = (
+        Constraint("hemisphere", "the sphere's centre lies on the springing", {"rise_ratio": 1.0}),
+    )
+
+    span_x: Annotated[float, Range(0.5, 40, "m", "clear width of the plan along x")] = 5.0
+    span_y: Annotated[float, Range(0.5, 40, "m", "clear width of the plan along y")] = 5.0
+    rise_ratio: Annotated[float, Range(0.1, 1, "1", "rise above the corners / half diagonal; 1 is a hemisphere")] = 0.8
+
+    @property
+    def _half_diagonal(self) -> float:
+        return hypot(self.span_x, self.span_y) / 2
+
+    @derived("m", "crown above the corners")
+    def rise(self) -> float:
+        """Crown above the corners [m]."""
+        return self.rise_ratio * self._half_diagonal
+
+    @derived("m", "radius of the sphere")
+    def radius(self) -> float:
+        """Radius of the sphere [m]."""
+        return circle_through(self._half_diagonal, self.rise)
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """One."""
+        return ("sail",)
+
+    @property
+    def plan(self) -> Plan:
+        """The rectangle."""
+        return Plan(self.span_x / 2, self.span_y / 2)
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """A ball."""
+        return (Piece((Ball(self.rise - self.radius, self.radius, ("sail",)),)),)

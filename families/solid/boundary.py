@@ -1,0 +1,49 @@
+"""Ways along paths, of which the boundaries of faces are made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families.solid.curves import Path
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Step:
+    """A way along a path from one parameter to another, as a part of a face's boundary."""
+
+    path: Path
+    start: float
+    end: float
+
+    @property
+    def reversed(self) -> Step:
+        """The way back."""
+        back = Step(self.path, self.end, self.start)
+        vars(back)["places"] = self.places[::-1]  # it need not be asked again
+        return back
+
+    @cached_property
+    def places(self) -> Array:
+        """Start, middle and end (3, 3) [mm]."""
+        return self.points(0.0, 0.5, 1.0)
+
+    def points(self, *shares: float) -> Array:
+        """Points (n, 3) [mm] at shares of the way."""
+        return self.path.points(self.start + np.array(shares) * (self.end - self.start))
+
+
+@dataclass(frozen=True)
+class Pole(Step):
+    """A boundary that is one point of space, and a line of the surface's parameters from `first` to `last`."""
+
+    first: tuple[float, float]
+    last: tuple[float, float]
+
+
+Loop = list[Step]

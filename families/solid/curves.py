@@ -1,0 +1,289 @@
+"""Curves in space [mm] that edges of a vault follow, each as a formula for numpy and as OpenCASCADE's geometry."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import atan2, ceil, cos, hypot, pi, tan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from OCP.Geom import Geom_BezierCurve, Geom_BSplineCurve, Geom_Circle, Geom_Curve, Geom_Ellipse, Geom_Line
+from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Curve, Geom2d_Line
+from OCP.gp import gp_Ax2, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
+from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array1OfPnt2d
+from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
+from scipy.interpolate import BSpline, make_interp_spline
+
+from families.declaration.units import MM
+from families.void.profile_outline import Bow
+
+Array = NDArray[np.float64]
+Point = tuple[float, float, float]
+DEGREE, SAMPLES = 5, 49  # of a curve that is interpolated
+STEP = 0.03  # [rad] between the samples of a circle
+STRAIGHT = 1e-9  # of the parameters of a surface, to which a curve on it is a straight line
+PROBES = np.array([0.1, 0.35, 0.6, 0.9])
+AXES = np.eye(3)
+TINY = 1e-300
+LEAST = -pi / 2 - 0.1  # of the angles of conics: no upright quarter is cut there
+
+
+class Path(ABC):
+    """A curve P(t) in space."""
+
+    @property
+    @abstractmethod
+    def geometry(self) -> Geom_Curve:
+        """OpenCASCADE's curve, with the same parameter."""
+
+    @abstractmethod
+    def points(self, t: Array) -> Array:
+        """Points (n, 3) at parameters (n,)."""
+
+    def nodes(self, start: float, end: float) -> Array:
+        """Parameters at which a curve on a surface is to agree with this one."""
+        return np.linspace(start, end, SAMPLES)
+
+
+class Simple(Path):
+    """A curve that tells the parameters of its points."""
+
+    @abstractmethod
+    def parameters(self, points: Array) -> Array:
+        """Parameters (n,) of points (n, 3) if those lie on the curve; any number for others."""
+
+    def parameter(self, point: Point) -> float:
+        """The same of one point."""
+        return float(self.parameters(np.array([point]))[0])
+
+
+@dataclass(frozen=True)
+class Straight(Simple):
+    """Line along an axis of the frame; the parameter is the coordinate along it."""
+
+    axis: int
+    origin: Point  # its coordinate along the axis is 0
+
+    @cached_property
+    def geometry(self) -> Geom_Curve:
+        """Line."""
+        return Geom_Line(gp_Pnt(*self.origin), gp_Dir(*AXES[self.axis].tolist()))
+
+    def points(self, t: Array) -> Array:
+        """Points at parameters."""
+        found = np.empty((len(t), 3))
+        found[:] = self.origin
+        found[:, self.axis] = t
+        return found
+
+    def parameters(self, points: Array) -> Array:
+        """The coordinate along the axis."""
+        return points[:, self.axis]
+
+    def parameter(self, point: Point) -> float:
+        """The coordinate of one point."""
+        return point[self.axis]
+
+    @staticmethod
+    def through(point: Point, axis: int) -> Straight:
+        """The line along an axis through a point."""
+        x, y, z = point
+        return Straight(axis, ((0.0, y, z), (x, 0.0, z), (x, y, 0.0))[axis])
+
+
+@dataclass(frozen=True)
+class Conic(Simple):
+    """Circle or ellipse centre + a cos t X + b sin t Y, with X and Y orthonormal."""
+
+    centre: Point
+    x: Point
+    y: Point
+    a: float
+    b: float
+
+    @cached_property
+    def geometry(self) -> Geom_Curve:
+        """Circle, or ellipse with its long axis first."""
+        x, y = gp_Dir(*self.x), gp_Dir(*self.y)
+        frame = gp_Ax2(gp_Pnt(*self.centre), x.Crossed(y), x)
+        return Geom_Circle(frame, self.a) if self.a == self.b else Geom_Ellipse(frame, self.a, self.b)
+
+    @cached_property
+    def _axes(self) -> Array:
+        return np.array([self.x, self.y]) * [[self.a], [self.b]]
+
+    def points(self, t: Array) -> Array:
+        """Points at eccentric angles."""
+        found: Array = np.stack([np.cos(t), np.sin(t)], axis=1) @ self._axes + self.centre
+        return found
+
+    def parameters(self, points: Array) -> Array:
+        """Eccentric angles from `LEAST` up."""
+        rest = points - np.array(self.centre)
+        angle = np.arctan2(rest @ self.y / self.b, rest @ self.x / self.a)
+        return np.where(angle < LEAST, angle + 2 * pi, angle)  # type: ignore[no-any-return]  # numpy's stubs
+
+    def parameter(self, point: Point) -> float:
+        """Eccentric angle of one point."""
+        x, y, z = (a - b for a, b in zip(point, self.centre, strict=True))
+        across, up = (x * v[0] + y * v[1] + z * v[2] for v in (self.x, self.y))
+        angle = atan2(up / self.b, across / self.a)
+        return angle + 2 * pi if angle < LEAST else angle
+
+    def nodes(self, start: float, end: float) -> Array:
+        """As many as the angle asks for."""
+        return np.linspace(start, end, max(SAMPLES, ceil(abs(end - start) / STEP)))
+
+    @staticmethod
+    def of(bow: Bow, place: Array, across: Array, up: Array) -> tuple[Conic, float, float]:
+        """A bow [m] drawn with (0, 0) at `place` (3,) [mm], and its parameters at its start and its end."""
+        centre = place + MM * (bow.u * across + bow.z * up)
+        # OpenCASCADE counts from the long axis.
+        turned = bow.b > bow.a
+        x, y, shift = (up, -across, pi / 2) if turned else (across, up, 0.0)
+        a, b = (bow.b, bow.a) if turned else (bow.a, bow.b)
+        return Conic(point(centre), point(x), point(y), MM * a, MM * b), bow.start - shift, bow.end - shift
+
+
+@dataclass(frozen=True)
+class Bezier(Simple):
+    """Rational Bézier curve of degree 2 by poles (3, 3) with weights 1, w, 1; the parameter runs from 0 to 1."""
+
+    poles: Array
+    weight: float = 1.0
+
+    @cached_property
+    def geometry(self) -> Geom_Curve:
+        """Bézier curve."""
+        poles, weights = TColgp_Array1OfPnt(1, 3), TColStd_Array1OfReal(1, 3)
+        for k, pole in enumerate(self.poles.tolist(), 1):
+            poles.SetValue(k, gp_Pnt(*pole))
+            weights.SetValue(k, self.weight if k == 2 else 1.0)
+        return Geom_BezierCurve(poles) if self.weight == 1 else Geom_BezierCurve(poles, weights)
+
+    def points(self, t: Array) -> Array:
+        """Points at parameters."""
+        basis = np.stack([(1 - t) ** 2, 2 * self.weight * t * (1 - t), t**2], axis=1)
+        found: Array = np.divide(basis @ self.poles, basis.sum(axis=1)[:, None])
+        return found
+
+    def parameters(self, points: Array) -> Array:
+        """Parameters: with P1 as origin an arc's point is early P0 + late P2, and t / (1 - t) = √(late / early)."""
+        first, middle, last = self.poles
+        if self.weight == 1:  # a parabola about the plumb line, along which it moves evenly
+            along = (last - first) * (1, 1, 0)
+            return (points - first) @ along / (along @ along)  # type: ignore[no-any-return]  # numpy's stubs
+        frame = np.stack([first - middle, last - middle], axis=1)
+        early, late = np.sqrt(np.linalg.lstsq(frame, (points - middle).T)[0].clip(min=0.0))
+        return late / np.maximum(early + late, TINY)  # type: ignore[no-any-return]  # numpy's stubs
+
+
+@dataclass(frozen=True)
+class Spline(Path):
+    """Interpolating spline of degree 5 and the parameters (n,) of the points through which it was laid.
+
+    `traces` keeps what copies that were moved have in common: coefficients of their angle about an axis of theirs.
+    """
+
+    spline: BSpline
+    at: Array
+    traces: dict[Hashable, Array] = field(default_factory=dict, compare=False)
+
+    @staticmethod
+    def through(points: Array) -> Spline:
+        """Through points (n, 3), by the lengths of its chords."""
+        chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        at = np.concatenate([[0.0], np.cumsum(chords)])
+        return Spline(make_interp_spline(at, points, DEGREE), at)
+
+    def moved(self, matrix: Array, place: Array) -> Spline:
+        """The curve of P @ matrix + place for each of its points P (3,), with the same parameter."""
+        t, c, k = self.spline.tck
+        return Spline(BSpline(t, c @ matrix + place, k), self.at, self.traces)
+
+    def trace(self, key: Hashable, angle: Callable[[Array], Array], along: Array) -> Geom2d_Curve:
+        """The curve as an angle, of points (n, 3), and a distance along a vector (3,), exact as its points are.
+
+        Copies that were moved share the angle under a key.
+        """
+        if key not in self.traces:
+            self.traces[key] = make_interp_spline(self.at, angle(self.points(self.at)), DEGREE).c
+        t, c, k = self.spline.tck
+        spline = BSpline(t, np.stack([self.traces[key], c @ along], axis=1), k)
+        return Geom2d_BSplineCurve(*_spline(spline, TColgp_Array1OfPnt2d, gp_Pnt2d))
+
+    @property
+    def end(self) -> float:
+        """Last parameter; the first is 0."""
+        return float(self.at[-1])
+
+    @cached_property
+    def geometry(self) -> Geom_Curve:
+        """B-spline curve."""
+        return Geom_BSplineCurve(*_spline(self.spline, TColgp_Array1OfPnt, gp_Pnt))
+
+    def points(self, t: Array) -> Array:
+        """Points at parameters."""
+        return self.spline(t)
+
+    def nodes(self, start: float, end: float) -> Array:
+        """Those of the points through which it was laid."""
+        return self.at
+
+
+def drawn(path: Path, start: float, end: float, parameters: Callable[[Array], Array]) -> Geom2d_Curve:
+    """A path in the parameters of a surface, given by those (n, 2) of points (n, 3): a straight line if it is one."""
+    # Not at the ends, which may be poles, where one of the parameters means nothing.
+    t = start + PROBES * (end - start)
+    uv = parameters(path.points(t))
+    rate = (uv[-1] - uv[0]) / (t[-1] - t[0])
+    if np.abs(uv[0] + np.outer(t - t[0], rate) - uv).max() > STRAIGHT * max(1.0, np.abs(uv).max()):
+        t = path.nodes(start, end)
+        return Geom2d_BSplineCurve(
+            *_spline(make_interp_spline(t, parameters(path.points(t)), DEGREE), TColgp_Array1OfPnt2d, gp_Pnt2d)
+        )
+    origin, speed = uv[0] - t[0] * rate, hypot(*rate)
+    if abs(speed - 1) < STRAIGHT:
+        return Geom2d_Line(gp_Pnt2d(*origin.tolist()), gp_Dir2d(*rate.tolist()))
+    ends = np.array([start, start, end, end])
+    line = BSpline(ends, origin + np.outer(ends[[0, -1]], rate), 1)
+    return Geom2d_BSplineCurve(*_spline(line, TColgp_Array1OfPnt2d, gp_Pnt2d))
+
+
+def arc_weight(angle: float) -> float:
+    """Weight of the middle pole of a Bézier arc over an angle."""
+    return cos(angle / 2)
+
+
+def arc_parameter(angle: Array, start: float, end: float) -> Array:
+    """Parameter (n,) of a Bézier arc from `start` to `end` at (eccentric) angles (n,): P(t) is stereographic."""
+    return (1 + np.tan((angle - (start + end) / 2) / 2) / tan((end - start) / 4)) / 2
+
+
+def arc_poles(bow: Bow) -> Array:
+    """Poles (3, 2) in (u, z) of a bow as a Bézier arc: the middle one is where the tangents at its ends meet."""
+    angles = np.array([bow.start, (bow.start + bow.end) / 2, bow.end])
+    reach = np.array([1.0, 1 / cos((bow.end - bow.start) / 2), 1.0])
+    return np.stack([bow.u + bow.a * reach * np.cos(angles), bow.z + bow.b * reach * np.sin(angles)], axis=1)
+
+
+def _spline(spline: BSpline, array: Any, made: Any) -> tuple[Any, TColStd_Array1OfReal, TColStd_Array1OfInteger, int]:
+    values, times = np.unique(spline.t, return_counts=True)
+    poles, knots = array(1, len(spline.c)), TColStd_Array1OfReal(1, len(values))
+    counts = TColStd_Array1OfInteger(1, len(values))
+    for k, pole in enumerate(np.asarray(spline.c).tolist(), 1):
+        poles.SetValue(k, made(*pole))
+    for k, (value, count) in enumerate(zip(values.tolist(), times.tolist(), strict=True), 1):
+        knots.SetValue(k, value)
+        counts.SetValue(k, count)
+    return poles, knots, counts, spline.k
+
+
+def point(vector: Array) -> Point:
+    """A vector (3,) as a point."""
+    x, y, z = vector.tolist()
+    return x, y, z

@@ -1,0 +1,118 @@
+"""Triangles of a vault: its intrados, or its masonry as a closed mesh, made from the B-Rep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families.declaration.vault import Vault
+
+if TYPE_CHECKING:
+    from OCP.gp import gp_Pnt
+    from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
+
+ANGLE = 0.2  # [rad] between neighbouring triangles, so that small arcs stay round
+WELD = 7  # decimals of a metre to which vertices on a common edge agree
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Vertices (n, 3) [m] and triangles (m, 3) of indices, counterclockwise seen from the room or from outside.
+
+    `component` (m,) is 1 + index in the vault's components; on a solid it is 0 on the sides and 1 + their number on the
+    extrados.
+    """
+
+    vertices: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+    component: NDArray[np.uint16]
+
+    @property
+    def areas(self) -> NDArray[np.float64]:
+        """Areas (m,) of the triangles [m²]."""
+        a, b, c = (self.vertices[self.triangles[:, k]] for k in range(3))
+        return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2  # type: ignore[no-any-return]  # numpy's stubs
+
+
+def mesh(vault: Vault, tolerance: float = 0.002) -> Mesh:
+    """The intrados; triangles deviate from it by no more than about `tolerance` [m]. They face the room."""
+    from families.solid import brep
+
+    if vault.skew is not None:
+        return _skewed(vault, mesh(vault.straight, tolerance))
+    shape = brep.surface(vault)
+    ids = {name: k for k, name in enumerate(vault.components, 1)}
+    found = [(face, ids[name]) for face, name in brep.face_names(shape, vault) if name in ids]
+    return _meshed(shape, found, tolerance, inward=True)
+
+
+def mesh_solid(
+    vault: Vault, thickness: float = 0.15, tolerance: float = 0.002, shape: TopoDS_Shape | None = None
+) -> Mesh:
+    """The masonry as a closed mesh: every edge belongs to two triangles. They face outwards, away from the stone.
+
+    `shape` is what `brep.masonry` made of the same vault, straight, and thickness, where that is at hand already.
+    """
+    from families.solid import brep
+
+    if vault.skew is not None:
+        return _skewed(vault, mesh_solid(vault.straight, thickness, tolerance, shape))
+    shape = brep.masonry(vault, thickness) if shape is None else shape
+    ids = {brep.SIDE: 0, **{name: k for k, name in enumerate((*vault.components, brep.EXTRADOS), 1)}}
+    return _meshed(shape, [(face, ids[name]) for face, name in brep.face_names(shape, vault)], tolerance, inward=False)
+
+
+def mesh_body(shape: TopoDS_Shape, tolerance: float) -> Mesh:
+    """A closed mesh of any body [mm]; `component` is 0 throughout."""
+    from families.solid.occ.shapes import faces
+
+    return _meshed(shape, [(face, 0) for face in faces(shape)], tolerance, inward=False)
+
+
+def _skewed(vault: Vault, straight: Mesh) -> Mesh:
+    # Generatrices stay straight, so that long triangles stay as near as they were.
+    return replace(straight, vertices=vault.bent(straight.vertices))
+
+
+def _meshed(shape: TopoDS_Shape, faces: list[tuple[TopoDS_Face, int]], tolerance: float, inward: bool) -> Mesh:
+    from OCP.BRep import BRep_Tool
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+    from OCP.TopAbs import TopAbs_REVERSED
+    from OCP.TopLoc import TopLoc_Location
+
+    from families.declaration.units import MM
+
+    BRepMesh_IncrementalMesh(shape, MM * tolerance, False, ANGLE, False)
+    points, corners, names, offset = [], [], [], 0
+    for face, name in faces:
+        place = TopLoc_Location()
+        part = BRep_Tool.Triangulation_s(face, place)
+        if part is None:
+            continue
+        nodes = np.array([_xyz(part.Node(k).Transformed(place.Transformation())) for k in range(1, part.NbNodes() + 1)])
+        triples = np.array([part.Triangle(k).Get() for k in range(1, part.NbTriangles() + 1)])
+        backwards = (face.Orientation() == TopAbs_REVERSED) != inward
+        corners.append((triples[:, ::-1] if backwards else triples) - 1 + offset)
+        points.append(nodes)
+        names.append(np.full(len(triples), name, np.uint16))
+        offset += len(nodes)
+    return _welded(np.concatenate(points) / MM, np.concatenate(corners), np.concatenate(names))
+
+
+def _xyz(point: gp_Pnt) -> tuple[float, float, float]:
+    return point.X(), point.Y(), point.Z()
+
+
+def _welded(points: NDArray[np.float64], corners: NDArray[np.int64], names: NDArray[np.uint16]) -> Mesh:
+    """One vertex where faces meet, in the order of first use, and no triangle without an area."""
+    _, first, where = np.unique(np.round(points, WELD), axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    triangles = rank[where.ravel()][corners]
+    a, b, c = triangles.T
+    whole = (a != b) & (b != c) & (c != a)
+    return Mesh(points[first[order]], triangles[whole].astype(np.int32), names[whole])

@@ -1,0 +1,1 @@
+"""OpenCASCADE, as far as it is asked things of its own."""

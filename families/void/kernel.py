@@ -1,0 +1,292 @@
+"""The numeric surface of a vault, compiled: signed distance, component and normal of many points in one pass.
+
+A void is a union of pieces, a piece an intersection of bodies (`families.declaration.pieces`): the signed distance is
+the minimum over pieces of the maximum over bodies, exact near the surface (Ricci 1973, constructive geometry with min
+and max).
+Positive is in the stone, negative in the room.
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from families.declaration.pieces import Ball, Barrel, Ceiling, Lid, Part, Piece, Plan, Turned
+from families.declaration.profiles import Curve
+
+Array = NDArray[np.float64]
+
+# Columns of the packed table, one row a body.
+PIECE, KIND, ACROSS, CENTRE, BASE, SIDE, CROWN_RISE, HALF_LENGTH = range(8)
+HALF_SPAN, RISE, STILT, ARCS, U1, Z1, R1, U2, Z2, R2 = range(8, 18)
+NAME, NAMING = 18, 22  # four names from 18 on; NAMING says how the name is chosen
+WIDTH = 23
+
+BARREL, BALL, TURNED, CEILING, LID = range(5)
+WALL_X, WALL_Y = -1, -2  # rows of the walls, which are in no table
+ALONG, QUARTER, HEIGHT = range(3)  # NAMING: by the sign along the axis, by the corner of the plan, by the height
+
+
+def pack(pieces: tuple[Piece, ...], components: tuple[str, ...]) -> Array:
+    """Table (bodies, WIDTH) of a void for the kernels below; component ids are 1 + index in `components`."""
+    ids = {name: float(i + 1) for i, name in enumerate(components)}
+    rows = [_row(k, part, ids) for k, piece in enumerate(pieces) for part in piece.parts]
+    return np.array(rows)
+
+
+def pack_plan(plan: Plan | None) -> Array:
+    """Half extents (2,) of the walls, infinite if there are none."""
+    return np.array([inf, inf]) if plan is None else np.array([plan.half_x, plan.half_y])
+
+
+def _row(piece: int, part: Part, ids: dict[str, float]) -> list[float]:
+    row = [0.0] * WIDTH
+    row[PIECE] = piece
+    match part:
+        case Barrel():
+            row[KIND], row[NAMING], row[ACROSS] = BARREL, ALONG, float(part.across == "y")
+            row[CENTRE], row[BASE], row[SIDE] = part.centre, part.base, part.side
+            row[CROWN_RISE], row[HALF_LENGTH] = part.crown_rise, part.half_length
+            row[HALF_SPAN:NAME] = _curve(part.curve)
+        case Ball():
+            row[KIND], row[NAMING], row[BASE], row[R1] = BALL, QUARTER, part.z, part.radius
+        case Turned():
+            row[KIND], row[NAMING], row[BASE] = TURNED, HEIGHT, part.base
+            row[HALF_SPAN:NAME] = _curve(part.curve)
+        case Ceiling():
+            row[KIND], row[BASE] = CEILING, part.z
+        case Lid():
+            row[KIND], row[BASE] = LID, part.z
+            return row
+    names = part.names * (4 // len(part.names)) if len(part.names) != 3 else part.names
+    row[NAME : NAME + len(names)] = [ids[n] for n in names]
+    return row
+
+
+def _curve(curve: Curve) -> list[float]:
+    arcs = [value for a in curve.arcs for value in (a.u, a.z, a.radius)]
+    return [curve.half_span, curve.rise, curve.stilt, float(len(curve.arcs)), *arcs, *[0.0] * (6 - len(arcs))]
+
+
+# Serial, as an optimiser calls it thousands of times on a few thousand points; threads may share a large cloud.
+compiled = njit(cache=True, nogil=True, error_model="numpy")
+# What only reads its arrays needs no count of references to them: without one it is ten times as fast (numba #1204).
+inner = njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+
+
+@inner
+def _ellipse(u: float, z: float, a: float, b: float) -> tuple[float, float, float]:
+    """Signed distance of (u, z), both >= 0, to the ellipse of half axes a, b, and its normal.
+
+    Newton from the left on the convex function of Eberly, "Distance from a point to an ellipse" (2013). A step from
+    zero ends left of its root too, and close to it where the point is close to the ellipse.
+    """
+    u, z = max(u, 1e-12 * a), max(z, 1e-12 * b)  # on an axis the first step would divide by zero
+    ru, rz = u / a, z / b
+    first = 0.5 * (ru * ru + rz * rz - 1.0) / (ru * ru / (a * a) + rz * rz / (b * b))
+    t = max(-a * a + a * u, -b * b + b * z, first)
+    for _ in range(60):
+        ru, rz = a * u / (t + a * a), b * z / (t + b * b)
+        f = ru * ru + rz * rz - 1.0
+        slope = -2.0 * (ru * ru / (t + a * a) + rz * rz / (t + b * b))
+        if f < 1e-15 or slope == 0.0:
+            break
+        t -= f / slope
+    eu, ez = a * a * u / (t + a * a), b * b * z / (t + b * b)
+    nu, nz = eu / (a * a), ez / (b * b)
+    size = sqrt(nu * nu + nz * nz)
+    nu, nz = nu / size, nz / size
+    return (u - eu) * nu + (z - ez) * nz, nu, nz
+
+
+@inner
+def _profile(u: float, z: float, parts: Array, k: int) -> tuple[float, float, float]:
+    """Signed distance of (u, z), u >= 0, to a curve with a wall below its springing; normal (nu, nz)."""
+    wall = u - parts[k, HALF_SPAN]
+    if parts[k, ARCS] == 0.0:
+        if z <= 0.0 or (u < 1e-9 and z < 1e-9):
+            return wall, 1.0, 0.0
+        return _ellipse(u, z, parts[k, HALF_SPAN], parts[k, RISE])  # type: ignore[no-any-return]  # numba is untyped
+    cu, cz, r = parts[k, U1], parts[k, Z1], parts[k, R1]
+    if (
+        parts[k, ARCS] == 2.0
+        and (cu - parts[k, U2]) * (z - parts[k, Z2]) - (cz - parts[k, Z2]) * (u - parts[k, U2]) > 0.0
+    ):
+        cu, cz, r = parts[k, U2], parts[k, Z2], parts[k, R2]
+    if z <= cz:
+        return wall, 1.0, 0.0
+    du, dz = u - cu, z - cz
+    size = sqrt(du * du + dz * dz)
+    arc = size - r
+    # A wall may be nearer only below the springing or where the arc leaves it at an angle.
+    if arc < wall:
+        return wall, 1.0, 0.0
+    return arc, du / size, dz / size
+
+
+@inner
+def _body(x: float, y: float, z: float, parts: Array, k: int) -> tuple[float, float, float, float]:
+    """Signed distance and normal of a point to the body in row k; -inf where it says nothing."""
+    kind = parts[k, KIND]
+    if kind == BARREL:
+        across, along = (x, y) if parts[k, ACROSS] == 0.0 else (y, x)
+        u = across - parts[k, CENTRE]
+        if parts[k, SIDE] != 0.0:
+            u *= parts[k, SIDE]
+            if u < 0.0:
+                return -inf, 0.0, 0.0, 1.0
+            sign = parts[k, SIDE]
+        else:
+            sign = 1.0 if u >= 0.0 else -1.0
+            u = abs(u)
+        # The axis is a parabola: with straight slopes the lower of two crossing barrels would come out at the middle.
+        way = along / parts[k, HALF_LENGTH]
+        slope = 2.0 * parts[k, CROWN_RISE] * way / parts[k, HALF_LENGTH]
+        h = z - parts[k, BASE] - parts[k, CROWN_RISE] * (1.0 - way * way)
+        d, nu, nz = _profile(u, h, parts, k)
+        if slope != 0.0:
+            na = nz * slope
+            size = sqrt(1.0 + na * na)
+            d, nu, nz, na = d / size, nu / size, nz / size, na / size
+        else:
+            na = 0.0
+        nu *= sign
+        return (d, nu, na, nz) if parts[k, ACROSS] == 0.0 else (d, na, nu, nz)
+    if kind == BALL:
+        h = z - parts[k, BASE]
+        if h < 0.0:
+            size = sqrt(x * x + y * y)
+            return size - parts[k, R1], x / max(size, 1e-300), y / max(size, 1e-300), 0.0
+        size = max(sqrt(x * x + y * y + h * h), 1e-300)
+        return size - parts[k, R1], x / size, y / size, h / size
+    if kind == TURNED:
+        rho = sqrt(x * x + y * y)
+        d, nu, nz = _profile(rho, z - parts[k, BASE], parts, k)
+        if rho < 1e-12:
+            return d, 0.0, 0.0, 1.0
+        return d, nu * x / rho, nu * y / rho, nz
+    return z - parts[k, BASE], 0.0, 0.0, 1.0
+
+
+@inner
+def _name(x: float, y: float, z: float, parts: Array, row: int) -> int:
+    if parts[row, NAMING] == QUARTER:
+        k = (1 if x > 0.0 else 0) + (2 if y > 0.0 else 0)
+    elif parts[row, NAMING] == HEIGHT:
+        k = 1 if z > parts[row, BASE] else 0
+    else:
+        k = 1 if (y if parts[row, ACROSS] == 0.0 else x) > 0.0 else 0
+    return int(parts[row, NAME + k])
+
+
+@inner
+def _void(x: float, y: float, z: float, parts: Array) -> tuple[float, int, int, float, float, float]:
+    """Signed distance, component, row of the body that decides, and normal of one point in the vault's frame."""
+    best, best_name, best_row, bx, by, bz = inf, 0, 0, 0.0, 0.0, 1.0
+    k = 0
+    while k < len(parts):
+        piece = parts[k, PIECE]
+        most, surface, row, last, mx, my, mz = -inf, -inf, -1, k, 0.0, 0.0, 1.0
+        while k < len(parts) and parts[k, PIECE] == piece:
+            d, nx, ny, nz = _body(x, y, z, parts, k)
+            if parts[k, KIND] != LID and (d > surface or row < 0):
+                surface, row, mx, my, mz = d, k, nx, ny, nz
+            if d > most:
+                most, last = d, k
+            k += 1
+        if most < best:
+            best, best_name, best_row, bx, by, bz = most, _name(x, y, z, parts, row), last, mx, my, mz
+    return best, best_name, best_row, bx, by, bz
+
+
+@inner
+def _room(x: float, y: float, z: float, parts: Array, plan: Array) -> tuple[float, int, int, float, float, float]:
+    """The same for the vault on its walls: component 0 on the walls, above and below the springing; rows -1 and -2."""
+    d, name, row, nx, ny, nz = _void(x, y, z, parts)
+    if abs(x) - plan[0] > d:
+        d, name, row, nx, ny, nz = abs(x) - plan[0], 0, WALL_X, (1.0 if x > 0.0 else -1.0), 0.0, 0.0
+    if abs(y) - plan[1] > d:
+        d, name, row, nx, ny, nz = abs(y) - plan[1], 0, WALL_Y, 0.0, (1.0 if y > 0.0 else -1.0), 0.0
+    return d, name if z >= -1e-9 else 0, row, nx, ny, nz
+
+
+@inner
+def _moved(xyz: Array, i: int, frame: Array) -> tuple[float, float, float]:
+    """Point i in the vault's frame."""
+    px, py, pz = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+    return (
+        frame[0, 0] * px + frame[0, 1] * py + frame[0, 2] * pz + frame[0, 3],
+        frame[1, 0] * px + frame[1, 1] * py + frame[1, 2] * pz + frame[1, 3],
+        frame[2, 0] * px + frame[2, 1] * py + frame[2, 2] * pz + frame[2, 3],
+    )
+
+
+@compiled
+def distances(xyz: Array, frame: Array, parts: Array, plan: Array) -> Array:
+    """Signed distances (n,) [m] of points (n, 3) to the room; `frame` (3, 4) brings them into the vault's frame."""
+    out = np.empty(len(xyz))
+    for i in range(len(xyz)):
+        x, y, z = _moved(xyz, i, frame)
+        out[i] = _room(x, y, z, parts, plan)[0]
+    return out
+
+
+@compiled
+def surface(xyz: Array, frame: Array, parts: Array, plan: Array) -> tuple[Array, NDArray[np.uint16], Array]:
+    """Signed distances (n,) [m], components (n,) and normals (n, 3) in the points' frame."""
+    n = len(xyz)
+    distance, component, normal = np.empty(n), np.empty(n, np.uint16), np.empty((n, 3))
+    for i in range(n):
+        x, y, z = _moved(xyz, i, frame)
+        d, name, _, nx, ny, nz = _room(x, y, z, parts, plan)
+        distance[i], component[i] = d, name
+        for k in range(3):
+            normal[i, k] = nx * frame[0, k] + ny * frame[1, k] + nz * frame[2, k]
+    return distance, component, normal
+
+
+@compiled
+def deciding(xyz: Array, frame: Array, parts: Array, plan: Array) -> tuple[NDArray[np.int64], Array]:
+    """Rows (n,) of the bodies that decide the distances, negative for walls, and their normals (n, 3)."""
+    n = len(xyz)
+    rows, normal = np.empty(n, np.int64), np.empty((n, 3))
+    for i in range(n):
+        x, y, z = _moved(xyz, i, frame)
+        _, _, rows[i], nx, ny, nz = _room(x, y, z, parts, plan)
+        for k in range(3):
+            normal[i, k] = nx * frame[0, k] + ny * frame[1, k] + nz * frame[2, k]
+    return rows, normal
+
+
+@compiled
+def to_rows(xyz: Array, frame: Array, parts: Array, plan: Array, rows: NDArray[np.int64]) -> Array:
+    """Signed distances (n,) [m] of points (n, 3), each to the one body in its row: what an optimiser differentiates."""
+    out = np.empty(len(xyz))
+    for i in range(len(xyz)):
+        x, y, z = _moved(xyz, i, frame)
+        if rows[i] == WALL_X:
+            out[i] = abs(x) - plan[0]
+        elif rows[i] == WALL_Y:
+            out[i] = abs(y) - plan[1]
+        else:
+            out[i] = _body(x, y, z, parts, rows[i])[0]
+    return out
+
+
+@compiled
+def over_plan(xyz: Array, frame: Array, half: Array, lowest: float) -> NDArray[np.int64]:
+    """Which points (n, 3) lie within the half extents (2,) of a plan and above `lowest` [m] once `frame` moved them."""
+    found = np.empty(len(xyz), np.int64)
+    count = 0
+    for i in range(len(xyz)):
+        px, py, pz = xyz[i, 0], xyz[i, 1], xyz[i, 2]
+        x = frame[0, 0] * px + frame[0, 1] * py + frame[0, 2] * pz + frame[0, 3]
+        y = frame[1, 0] * px + frame[1, 1] * py + frame[1, 2] * pz + frame[1, 3]
+        z = frame[2, 0] * px + frame[2, 1] * py + frame[2, 2] * pz + frame[2, 3]
+        if abs(x) < half[0] and abs(y) < half[1] and z > lowest:
+            found[count] = i
+            count += 1
+    return found[:count]

@@ -1,0 +1,93 @@
+"""Points spread evenly over the intrados of a vault, exactly on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families.declaration.vault import Vault
+from families.void.sampling_strips import Strip, strips
+
+GOLDEN = (sqrt(5) - 1) / 2
+PILOT = 40_000  # points that tell how much of all strips shows
+PROBE = 1e-6  # [m] into the stone, where the distance must be just that
+EXACT = 1e-9  # [m]
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Points (n, 3) [m], unit normals (n, 3) into the room, and components (n,), 1 + index in the vault's."""
+
+    xyz: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    component: NDArray[np.uint16]
+
+    def __len__(self) -> int:
+        """Number of points."""
+        return len(self.xyz)
+
+
+def sample(vault: Vault, count: int, rng: np.random.Generator) -> Sample:
+    """`count` points, even by area: each strip of surface carries one lattice of the golden ratio.
+
+    On equal-area coordinates of a strip the points are (i / n, frac(i φ)), which leaves no clumps and no gaps at any
+    proportion of its sides, as the golden ratio is the number that fractions approach worst (Swinbank and Purser 2006,
+    González 2010, for the sphere). A skewed plan stretches them a little. `rng` shifts the
+    lattices, and drops the few points above `count`.
+
+    Raises:
+        ValueError: `count` is below 1.
+    """
+    if count < 1:
+        raise ValueError(f"{count} points asked for; at least 1 is needed")
+    straight = vault.straight
+    surfaces = _surfaces(straight)
+    share = len(_lay(straight, surfaces, PILOT, rng)) / PILOT
+    wanted = 1.002 * count / share  # the pilot is not exact, and a second pass costs more than a few points to drop
+    while len(xyz := _lay(straight, surfaces, int(wanted) + 1, rng)) < count:
+        wanted *= 1.005
+    return _described(vault, xyz[np.sort(rng.permutation(len(xyz))[:count])])
+
+
+def sample_spacing(vault: Vault, spacing: float, rng: np.random.Generator) -> Sample:
+    """As many points as a square grid of that spacing [m] would have, spread as by `sample`.
+
+    Raises:
+        ValueError: the spacing is not above 0.
+    """
+    if not spacing > 0:
+        raise ValueError(f"spacing = {spacing:g} m must be above 0")
+    surfaces = _surfaces(straight := vault.straight)
+    return _described(vault, _lay(straight, surfaces, int(sum(s.area for s in surfaces) / spacing**2) + 1, rng))
+
+
+def _surfaces(vault: Vault) -> list[Strip]:
+    return [strip for piece in vault.pieces() for part in piece.parts for strip in strips(part, vault.plan)]
+
+
+def _lay(vault: Vault, surfaces: list[Strip], total: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """About `total` points (n, 3) over all strips, of which those are left that show."""
+    density = total / sum(strip.area for strip in surfaces)
+    found = [_shown(vault, strip, density * strip.area, rng) for strip in surfaces]
+    return np.concatenate(found)
+
+
+def _shown(vault: Vault, strip: Strip, count: float, rng: np.random.Generator) -> NDArray[np.float64]:
+    first, turn = rng.random(2)
+    i = np.arange(int(count - first) + 1 if count > first else 0)
+    xyz, normal = strip.lay((i + first) / count, (i * GOLDEN + turn) % 1.0)
+    plan = vault.plan
+    inside = (np.abs(xyz[:, 0]) <= plan.half_x) & (np.abs(xyz[:, 1]) <= plan.half_y) & (xyz[:, 2] >= 0)
+    xyz, normal = xyz[inside], normal[inside]
+    # The distance just behind the surface tells whether there is stone, not another piece of the void.
+    shown = np.abs(vault.distance(xyz + PROBE * normal) - PROBE) < EXACT
+    return xyz[shown]
+
+
+def _described(vault: Vault, xyz: NDArray[np.float64]) -> Sample:
+    there = vault.bent(xyz)
+    here = vault.evaluate(there)
+    return Sample(there, -here.normal, here.component)
