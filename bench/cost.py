@@ -57,7 +57,7 @@ def first(normals: str) -> dict[str, float]:
     groin = next(vault for vault in IDEALS if vault.id == "groin")
     cloud = groin.sample(SMALL, np.random.default_rng(1))
     times = [(time.perf_counter(), time.process_time())]
-    from segmentation.ransac import detect
+    from segmentation.ransac.detect import detect
 
     times.append((time.perf_counter(), time.process_time()))
     for _ in range(2):

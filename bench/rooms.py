@@ -1,6 +1,6 @@
 """The whole way on virtual scans of rooms: family, component IoU, deviation, time, and whether the confidence holds.
 
-The constants of `vaultcad.evidence` were found on scans of other seeds than these, 5000 to 5197.
+The constants of `vaultcad.fit.evidence` were found on scans of other seeds than these, 5000 to 5197.
 """
 
 from __future__ import annotations

@@ -12,12 +12,12 @@ import numpy as np
 
 from families import Barrel, Groin, Sail
 from segmentation import read, write_labelled
-from vaultcad.as_built import displacement
-from vaultcad.deviation import summarise
-from vaultcad.label import label
-from vaultcad.recognise import confidence, recognise
-from vaultcad.refine import refine
-from vaultcad.site import survey
+from vaultcad.find.recognise import confidence, recognise
+from vaultcad.find.refine import refine
+from vaultcad.fit.label import label
+from vaultcad.measure.as_built import displacement
+from vaultcad.measure.deviation import summarise
+from vaultcad.survey.thinned_scan import survey
 
 ROOM = Path(__file__).with_name("room.laz")
 

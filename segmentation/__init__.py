@@ -14,11 +14,11 @@ if TYPE_CHECKING:
     from segmentation.io import read as read
     from segmentation.io import write_cloud as write_cloud
     from segmentation.io import write_labelled as write_labelled
-    from segmentation.presets import PRESETS as PRESETS
-    from segmentation.ransac import Segment as Segment
-    from segmentation.ransac import Segments as Segments
-    from segmentation.ransac import detect as detect
-    from segmentation.settings import Settings as Settings
+    from segmentation.ransac.detect import Segment as Segment
+    from segmentation.ransac.detect import Segments as Segments
+    from segmentation.ransac.detect import detect as detect
+    from segmentation.ransac.presets import PRESETS as PRESETS
+    from segmentation.ransac.settings import Settings as Settings
 
 _EXPORTS = {
     "Cloud": "segmentation.cloud",
@@ -28,11 +28,11 @@ _EXPORTS = {
     "read": "segmentation.io",
     "write_cloud": "segmentation.io",
     "write_labelled": "segmentation.io",
-    "PRESETS": "segmentation.presets",
-    "Segment": "segmentation.ransac",
-    "Segments": "segmentation.ransac",
-    "detect": "segmentation.ransac",
-    "Settings": "segmentation.settings",
+    "PRESETS": "segmentation.ransac.presets",
+    "Segment": "segmentation.ransac.detect",
+    "Segments": "segmentation.ransac.detect",
+    "detect": "segmentation.ransac.detect",
+    "Settings": "segmentation.ransac.settings",
 }
 __all__ = list(_EXPORTS)
 

@@ -16,23 +16,23 @@ from numpy.typing import NDArray
 
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
-from vaultcad.as_built import displacement
-from vaultcad.choices import odds, rivals, widened
-from vaultcad.coverage import look
-from vaultcad.demands import demand
-from vaultcad.deviation import summarise
 from vaultcad.errors import NoVaultError
-from vaultcad.estimates import estimates
-from vaultcad.label import Labels, label
+from vaultcad.find.choices import odds, rivals, widened
+from vaultcad.find.recognise import confidence
+from vaultcad.find.search import Found, find_vaults
+from vaultcad.fit.demands import demand
+from vaultcad.fit.label import Labels, label
+from vaultcad.fit.solve import Placed
+from vaultcad.fit.uncertainty import covariance, open_ends
 from vaultcad.legible import legible
-from vaultcad.level import lean_of
+from vaultcad.measure.as_built import displacement
+from vaultcad.measure.coverage import look
+from vaultcad.measure.deviation import summarise
+from vaultcad.measure.estimates import estimates
 from vaultcad.model import Component, Deviation, FittedVault, Model
 from vaultcad.one_thread import one_thread
-from vaultcad.recognise import confidence
-from vaultcad.search import Found, find_vaults
-from vaultcad.site import Site, Thin, thin_scan
-from vaultcad.solve import Placed
-from vaultcad.uncertainty import covariance, open_ends
+from vaultcad.survey.lean import lean_of
+from vaultcad.survey.thinned_scan import Site, Thin, thin_scan
 from vaultcad.versions import versions
 
 Array = NDArray[np.float64]

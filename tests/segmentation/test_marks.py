@@ -6,7 +6,7 @@ import pye57
 import pytest
 
 from segmentation import ReadError, read, write_cloud, write_labelled
-from vaultcad.site import thin_scan
+from vaultcad.survey.thinned_scan import thin_scan
 
 N = 3000
 
@@ -243,8 +243,8 @@ def test_the_user_says_the_origin(tmp_path):
 
 
 def test_no_grid_is_larger_than_its_points_deserve():
-    from vaultcad.bays import Ceiling
     from vaultcad.errors import NoVaultError
+    from vaultcad.survey.bays import Ceiling
 
     class Cloud:
         xyz = np.concatenate([shell(), shell() + [9000, 8000, 0]])

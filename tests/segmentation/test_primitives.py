@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from segmentation.primitives import PRIMITIVES, Cone, Cylinder, Plane, Primitive, Sphere, Torus
-from segmentation.primitives_sample import MINIMAL_SETS
+from segmentation.primitives.minimal_sets import MINIMAL_SETS
+from segmentation.primitives.shapes import PRIMITIVES, Cone, Cylinder, Plane, Primitive, Sphere, Torus
 
 AXIS = tuple(np.array([0.36, -0.48, 0.8]))
 TRUTHS = (

@@ -8,8 +8,8 @@ import pytest
 from families import Barrel, Dome, Groin, Lunette, Mirror, Sail, Trough
 from families.void.sampling import sample
 from segmentation import PRESETS, Settings, compare, detect
-from segmentation.primitives import Cylinder, Plane, Sphere, Torus
-from segmentation.ransac import ROUNDS
+from segmentation.primitives.shapes import Cylinder, Plane, Sphere, Torus
+from segmentation.ransac.detect import ROUNDS
 
 # the sizes of the paper's ideal models
 SAIL, BARREL, LUNETTE = Sail(6.0, 6.0, 1.0), Barrel(6.0, 9.0), Lunette(6.0, 9.0, width_ratio=0.93, springing_ratio=0.0)

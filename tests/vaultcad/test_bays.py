@@ -10,10 +10,10 @@ import pytest
 from families import Barrel, Groin, Lunette, Sail, Segmental, Semicircular
 from segmentation import compare
 from segmentation.cloud import Cloud
-from vaultcad.bays import Ceiling
 from vaultcad.pipeline import Result, fit_scan
 from vaultcad.scanner import Bay, ScannerSettings, SceneScan, row, scan_bays
-from vaultcad.site import thin_scan
+from vaultcad.survey.bays import Ceiling
+from vaultcad.survey.thinned_scan import thin_scan
 
 ROOMS = ScannerSettings(points=80_000, openings=1, furniture=1)
 PIERS = replace(ROOMS, walls="piers", openings=0)

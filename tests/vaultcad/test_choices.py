@@ -24,12 +24,12 @@ from families import (
     Vault,
 )
 from families.declaration.constraints import Constraint
-from vaultcad.choices import Choice, deviation, kinds_of, likeliest, odds, rivals, weigh, widened
-from vaultcad.evidence import Evidence
-from vaultcad.freedom import NONE, Demands
+from vaultcad.find.choices import Choice, deviation, kinds_of, likeliest, odds, rivals, weigh, widened
+from vaultcad.find.refine import Refined, settled
+from vaultcad.fit.evidence import Evidence
+from vaultcad.fit.freedom import NONE, Demands
+from vaultcad.fit.solve import POSE, Placed
 from vaultcad.model import Covariance, Pose, said
-from vaultcad.refine import Refined, settled
-from vaultcad.solve import POSE, Placed
 
 STANDS = Pose(0.0, 0.0, 0.0, 0.0)
 

@@ -21,9 +21,9 @@ from families import (
 )
 from families.declaration.constraints import Constraint
 from segmentation.cloud import Cloud
-from vaultcad.demands import constraints_of, demand, sizes_of
 from vaultcad.errors import NoVaultError
-from vaultcad.freedom import DECIDES, SPRINGING, Demands
+from vaultcad.fit.demands import constraints_of, demand, sizes_of
+from vaultcad.fit.freedom import DECIDES, SPRINGING, Demands
 from vaultcad.model import FittedVault, Pose
 from vaultcad.pipeline import Settings, fit_scan
 

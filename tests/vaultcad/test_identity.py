@@ -23,7 +23,7 @@ from families import (
     Vault,
 )
 from segmentation.cloud import Cloud
-from vaultcad.identity import is_its_family
+from vaultcad.find.identity import is_its_family
 from vaultcad.pipeline import fit_scan
 
 

@@ -5,10 +5,10 @@ import pytest
 
 from families import Barrel, Groin, Segmental, Vault
 from segmentation.cloud import Cloud
-from vaultcad.level import Lean, lean_of
 from vaultcad.model import Pose, tilted
 from vaultcad.pipeline import Settings, fit_scan
-from vaultcad.site import Thin, thin_scan
+from vaultcad.survey.lean import Lean, lean_of
+from vaultcad.survey.thinned_scan import Thin, thin_scan
 
 VAULTS: tuple[Vault, ...] = (Barrel(4.0, 6.0), Groin(4.6, 5.4, Segmental(1.5 / 4.6), Segmental(1.5 / 5.4)))
 

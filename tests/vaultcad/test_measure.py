@@ -7,14 +7,14 @@ import pytest
 
 from families import Barrel, Groin, Sail, Semicircular, Vault
 from segmentation.cloud import Cloud
-from vaultcad.as_built import displacement
-from vaultcad.coverage import look
-from vaultcad.deviation import level_of_accuracy, summarise
 from vaultcad.errors import NoVaultError
-from vaultcad.label import label
+from vaultcad.fit.label import label
+from vaultcad.fit.solve import Placed
+from vaultcad.measure.as_built import displacement
+from vaultcad.measure.coverage import look
+from vaultcad.measure.deviation import level_of_accuracy, summarise
 from vaultcad.model import Pose
-from vaultcad.site import survey, thin_scan, turned
-from vaultcad.solve import Placed
+from vaultcad.survey.thinned_scan import survey, thin_scan, turned
 
 HERE = Pose(0.0, 0.0, 0.0, 0.0)
 

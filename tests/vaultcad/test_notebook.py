@@ -8,7 +8,7 @@ import pytest
 from IPython.core.formatters import DisplayFormatter
 
 from families.notebook import HTML, PLOTLY
-from vaultcad.label import Labels
+from vaultcad.fit.label import Labels
 from vaultcad.model import Pose
 from vaultcad.pipeline import Result
 

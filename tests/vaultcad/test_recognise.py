@@ -10,8 +10,8 @@ import pytest
 from families import Barrel, Sail, Semicircular, Trough, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
-from vaultcad.recognise import MISSED, Hypothesis, confidence, recognise
-from vaultcad.site import Site, survey
+from vaultcad.find.recognise import MISSED, Hypothesis, confidence, recognise
+from vaultcad.survey.thinned_scan import Site, survey
 
 
 def site_of(vault: Vault) -> Site:

@@ -18,8 +18,8 @@ FIT = """
 import os, sys
 cores, points = int(sys.argv.pop(1)), int(sys.argv.pop(1))
 os.cpu_count = lambda: cores
-import segmentation.io.chunk, vaultcad.label
-segmentation.io.chunk.SIZE = vaultcad.label.CHUNK = points
+import segmentation.io.chunk, vaultcad.fit.label
+segmentation.io.chunk.SIZE = vaultcad.fit.label.CHUNK = points
 from vaultcad.cli import main
 scan, *outs = sys.argv[1:]
 sys.exit(max(main(["fit", scan, "-o", out, "--review", "--correlations"]) for out in outs))

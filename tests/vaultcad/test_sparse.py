@@ -8,12 +8,12 @@ import pytest
 
 from families import Barrel, Groin, Segmental, Trough, Vault
 from segmentation.cloud import Cloud
-from vaultcad.freedom import Freedom
+from vaultcad.fit.freedom import Freedom
+from vaultcad.fit.solve import Placed, Solution
+from vaultcad.fit.uncertainty import open_ends
 from vaultcad.pipeline import Result, Settings, fit_scan
 from vaultcad.scanner import ScannerSettings, scan
-from vaultcad.site import thin_scan
-from vaultcad.solve import Placed, Solution
-from vaultcad.uncertainty import open_ends
+from vaultcad.survey.thinned_scan import thin_scan
 
 SETTINGS = ScannerSettings(points=120_000, tie_rods=1, furniture=2, settlement=0.01, noise=0.002, yaw=0.2)
 VAULTS: dict[str, Vault] = {

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from families import Barrel, Groin, Mirror, Sail, Segmental, Vault
-from vaultcad.coverage import information, look
-from vaultcad.estimates import estimates
-from vaultcad.freedom import Demands, Freedom
+from vaultcad.fit.freedom import Demands, Freedom
+from vaultcad.fit.solve import POSE, Placed, Solution, solve
+from vaultcad.fit.uncertainty import covariance, loosened, slopes_of_distances, slopes_of_sizes
+from vaultcad.measure.coverage import information, look
+from vaultcad.measure.estimates import estimates
 from vaultcad.model import Covariance, Estimate, Pose
-from vaultcad.solve import POSE, Placed, Solution, solve
-from vaultcad.uncertainty import covariance, loosened, slopes_of_distances, slopes_of_sizes
 
 STANDS = Pose(1.0, -2.0, 3.0, 0.3)
 VAULTS: tuple[Vault, ...] = (

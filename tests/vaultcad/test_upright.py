@@ -8,8 +8,8 @@ import pytest
 from families import Barrel, Groin, Sail
 from segmentation.cloud import AXES, Cloud, Up, stood_up, turn, turn_back
 from vaultcad.errors import NoVaultError
+from vaultcad.find.upright import stand_up
 from vaultcad.scanner import ScannerSettings, scan
-from vaultcad.upright import stand_up
 
 FAMILIES = (Sail, Barrel, Groin)
 

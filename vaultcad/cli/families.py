@@ -40,7 +40,7 @@ def families(
 
 def _show_family(cls: Any) -> None:
     from families.declaration.parameters import derived_declarations
-    from vaultcad.demands import constraints_of
+    from vaultcad.fit.demands import constraints_of
 
     vault = cls()
     typer.echo(f"{cls.id}: {cls.title}")

@@ -68,7 +68,7 @@ def fit(
     Finds each vault, recognises its family, fits all parameters, labels every point, measures the deviation.
     """
     from vaultcad.cli.summary import show_summary
-    from vaultcad.demands import demand
+    from vaultcad.fit.demands import demand
 
     check_folder(out, inputs=[scan], review=review, force=force)
     families = _families(family)
@@ -98,7 +98,7 @@ def fit(
             if up == "auto":
                 import numpy as np
 
-                from vaultcad.upright import stand_up
+                from vaultcad.find.upright import stand_up
 
                 bar.stage("standing up")
                 cloud = stand_up(cloud, np.random.default_rng(seed), families=families)

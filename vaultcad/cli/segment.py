@@ -9,8 +9,8 @@ from typing import Annotated, Any
 
 import typer
 
-from segmentation.presets import PRESETS
-from segmentation.settings import RANGES, Settings
+from segmentation.ransac.presets import PRESETS
+from segmentation.ransac.settings import RANGES, Settings
 from vaultcad.cli.errors import InputError, refusing
 from vaultcad.cli.options import Axis, Option, Seed, number, single, with_options
 from vaultcad.cli.outputs import check_file
@@ -60,7 +60,7 @@ def segment(
     from segmentation.io import write_labelled
     from segmentation.io.labelled import spread_all
     from segmentation.io.write import write
-    from segmentation.ransac import detect
+    from segmentation.ransac.detect import detect
 
     with status(STAGES) as bar:
         bar.stage("reading")

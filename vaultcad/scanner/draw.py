@@ -26,7 +26,7 @@ from families import (
     Vault,
     family,
 )
-from vaultcad.identity import is_its_family
+from vaultcad.find.identity import is_its_family
 from vaultcad.scanner.settings import ScannerSettings
 
 Random = np.random.Generator

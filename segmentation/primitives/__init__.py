@@ -1,0 +1,3 @@
+"""Planes, spheres, cylinders, cones, tori: shapes.py, in numbers (numeric.py), through a few points (minimal_sets.py)
+and fitted to many (least_squares.py).
+"""

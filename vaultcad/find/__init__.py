@@ -1,0 +1,3 @@
+"""Which vaults stand in a scan: search.py takes it apart, recognise.py tries the families from first_guesses.py,
+refine.py fits the best, choices.py weighs its arches by likelihood.py and practice.py, no_vault.py doubts it.
+"""

@@ -1,0 +1,203 @@
+"""How likely the motion is that would have brought a vault, as built, to where the stone stands today.
+
+The marginal likelihood of a linear model (Rasmussen and Williams 2006, 2.7): the residuals are a random field of
+`vaultcad.fit.settlement`, over its strength, length and roughness, and what pose and parameters can take of them, of
+which builders' practice says something beforehand.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf, log, sqrt
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Dome
+from vaultcad.find.practice import beforehand, shapes_an_arch
+from vaultcad.find.refine import WIDEST, Refined
+from vaultcad.fit.evidence import Evidence
+from vaultcad.fit.settlement import (
+    OUTLIER,
+    PRIOR,
+    ROUGHNESSES,
+    STRENGTHS,
+    Partition,
+    faces,
+    scatter_of,
+    smooth_fields,
+)
+from vaultcad.fit.solve import POSE, Placed, Solution
+from vaultcad.fit.uncertainty import slopes_of_sizes
+
+Array = NDArray[np.float64]
+
+FEW = 3_000  # points that choices are fitted to
+STEPS, GAIN = 12, 1e-4  # of their fits at most, and the share of the cost that one must still gain
+NARROWEST = 0.02  # m, scale of their loss
+EDGE, EDGE_SHARE = 0.3, 0.08  # m, and share of the shorter side: stone so near to an edge is rounded, plastered, hidden
+FAR, FEW_FAR = 0.06, 0.02  # m off a fit that is far, and the share of the blocks that may be
+WIDE = 0.015  # of a ratio, to either side, over which distances are compared
+DOUBT = 1.4  # log likelihoods are divided by this, as no settlement is quite such a field
+ENOUGH = 40  # blocks without which nothing is said
+NEVER = 1e-3  # chance that a parameter is within its range at the least
+COARSE = slice(None, None, 2)  # of the field's strengths and roughnesses, to be quick
+
+
+@dataclass(frozen=True)
+class Field:
+    """The points of a fit, their blocks, and the random field in which these may have moved.
+
+    scale: of the loss of fits [m]. usable: (m,) blocks. values, vectors: of the covariances of the field, for each of
+    `LENGTHS`.
+    """
+
+    evidence: Evidence
+    scale: float
+    blocks: Partition
+    usable: NDArray[np.bool_]
+    values: tuple[Array, ...]
+    vectors: tuple[Array, ...]
+
+    @classmethod
+    def of(cls, refined: Refined, rng: np.random.Generator) -> Self | None:
+        """With the points that a fit rests on and that lie near it, but for those near edges; None if few are left."""
+        placed, whole = refined.placed, refined.evidence
+        some = np.sort(rng.permutation(len(whole.points))[:FEW])
+        evidence = replace(whole, points=whole.points[some], weights=whole.weights[some])
+        scale = float(np.clip(4 * refined.scatter, NARROWEST, WIDEST))
+        residuals = placed.distance(evidence.points)
+        weights = evidence.weights / (1 + (residuals / WIDEST) ** 2) ** 2
+        blocks = Partition.of(placed, evidence.points, weights * ~_near_edges(placed, evidence.points))
+        mean = blocks.means(residuals[:, None])[:, 0]
+        filled = blocks.weight > 0
+        usable = filled & (np.abs(mean) < OUTLIER * scatter_of(mean[filled]))
+        if usable.sum() < ENOUGH:
+            return None
+        plan, rise = placed.vault.plan, placed.vault.derived_values()["rise"]
+        fields = smooth_fields(blocks.place[usable], blocks.normal[usable], (plan.half_x, plan.half_y), rise)
+        pairs = [np.linalg.eigh(field) for field in fields]
+        values = tuple(np.maximum(pair[0], 0.0) for pair in pairs)
+        return cls(evidence, scale, blocks, usable, values, tuple(pair[1] for pair in pairs))
+
+    def near(self, solution: Solution) -> bool:
+        """Whether a fit comes near all stone: what is far from it, no small change of its parameters would reach."""
+        residual = self.blocks.means(solution.residuals[:, None])[self.usable, 0]
+        return float((np.abs(residual) > FAR).mean()) < FEW_FAR
+
+    def log_likelihood(self, solution: Solution) -> float:
+        """Of a fit to this evidence, with its parameters within their ranges, up to a constant that all fits share."""
+        likelihood, shift, inverse = self._marginal(solution)
+        spread = np.asarray(np.linalg.inv(inverse).diagonal(axis1=1, axis2=2), np.float64)
+        mean, variance = _moments(likelihood, shift, spread)
+        values, ranges = solution.placed.vault.values(), {p.name: p.range for p in solution.placed.vault.parameters()}
+        precision, before = beforehand(solution)
+        within = 0.0
+        for k, name in enumerate(solution.names[len(POSE) :], len(POSE)):
+            ends = np.array([ranges[name].low, ranges[name].high]) - values[name]
+            within += _log_within(ends, mean[k], variance[k]) - _log_within(ends, before[k], 1 / precision[k])
+        return _log_sum(likelihood) / DOUBT + within
+
+    def sizes(self, solution: Solution) -> dict[str, tuple[float, float]]:
+        """Mean and standard deviation of each size and of the pose, by name, before the settlement [m, rad, 1]."""
+        likelihood, shift, inverse = self._marginal(solution)
+        vault, pose = solution.placed.vault, solution.placed.pose
+        here = {**vault.values(), **vault.derived_values(), **{name: getattr(pose, name) for name in POSE}}
+        slopes = slopes_of_sizes(solution) | dict(zip(POSE, np.eye(len(POSE), len(solution.names)), strict=True))
+        rows = np.stack(list(slopes.values()))
+        means = shift @ rows.T
+        spread = np.einsum("sk,hkl,sl->hs", rows, np.linalg.inv(inverse), rows)
+        mean, variance = _moments(likelihood, means, spread)
+        return {
+            name: (here[name] + float(mean[k]), sqrt(max(float(variance[k]), 0.0))) for k, name in enumerate(slopes)
+        }
+
+    def _secants(self, solution: Solution) -> Array:
+        """Derivatives (n, k) of the distances, those by the rise of arches over wide steps that leave the crown there.
+
+        A segment that is all but a semicircle can lose its foot to the wall without a change of first order. A dome's
+        arch stands high above the springing: a step that leaves its crown would move all that is below it.
+        """
+        out, vault, pose = solution.jacobian.copy(), solution.placed.vault, solution.placed.pose
+        values, parameters = vault.values(), {p.name: p for p in vault.parameters()}
+        for k, name in enumerate(solution.names[len(POSE) :], len(POSE)):
+            if isinstance(vault, Dome) or not shapes_an_arch(vault, name):
+                continue
+            low, high = parameters[name].range.low, parameters[name].range.high
+            ends = [min(max(values[name] + side * WIDE, low), high) for side in (-1, 1)]
+            vaults = [solution.free.settled(vault, {name: end}) for end in ends]
+            rises = [end.derived_values()["rise"] - vault.derived_values()["rise"] for end in vaults]
+            if rises[0] == rises[1]:
+                continue
+            less, more = (
+                Placed(end, replace(pose, z=pose.z - rise)).distance(self.evidence.points)
+                for end, rise in zip(vaults, rises, strict=True)
+            )
+            out[:, k] = (more - less + (rises[1] - rises[0]) * solution.jacobian[:, 2]) / (ends[1] - ends[0])
+        return out
+
+    def _marginal(self, solution: Solution) -> tuple[Array, Array, Array]:
+        """Log likelihoods (h,), means (h, u) of the unknowns and inverses (h, u, u) of their covariances.
+
+        h runs over lengths, strengths and roughnesses of the field; means are from where the solution is.
+        """
+        residual = self.blocks.means(solution.residuals[:, None])[self.usable, 0]
+        jacobian = self.blocks.means(self._secants(solution))[self.usable]
+        precision, mean = beforehand(solution)
+        strengths, roughnesses = STRENGTHS[COARSE] ** 2, ROUGHNESSES[COARSE] ** 2
+        found = []
+        for values, vectors, prior in zip(self.values, self.vectors, PRIOR[:, COARSE], strict=True):
+            slopes, rest = vectors.T @ jacobian, vectors.T @ residual
+            variance = (strengths[:, None, None] * values + roughnesses[:, None]).reshape(-1, len(rest))
+            weight = 1 / variance
+            squares = (slopes[:, :, None] * slopes[:, None, :]).reshape(len(rest), -1)
+            inverse = (weight @ squares).reshape(len(weight), len(mean), len(mean)) + np.diag(precision)
+            pull = precision * mean - weight @ (slopes * rest[:, None])
+            shift = np.linalg.solve(inverse, pull[:, :, None])[:, :, 0]
+            misfit = weight @ rest**2 + precision @ mean**2 - (pull * shift).sum(axis=1)
+            volume = np.linalg.slogdet(inverse)[1] - np.log(precision).sum()
+            likelihood = -0.5 * (np.log(variance).sum(axis=1) + volume + misfit)
+            found.append((likelihood + np.repeat(prior, len(roughnesses)), shift, inverse))
+        likelihoods, shifts, inverses = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        return likelihoods, shifts, inverses
+
+
+def _moments(likelihood: Array, means: Array, variances: Array) -> tuple[Array, Array]:
+    """Means (s,) and variances (s,) over all fields, from those (h, s) with each, of log likelihoods (h,)."""
+    share = np.exp((likelihood - likelihood.max()) / DOUBT)
+    share /= share.sum()
+    mean = share @ means
+    return mean, share @ (variances + (means - mean) ** 2)
+
+
+def _log_within(ends: Array, mean: float, variance: float) -> float:
+    """Logarithm of the chance that a normal variable lies between two ends (2,)."""
+    from scipy.special import ndtr
+
+    below = ndtr((ends - mean) / sqrt(max(variance, 1e-12)))
+    return log(max(float(below[1] - below[0]), NEVER))
+
+
+def _near_edges(placed: Placed, points: Array) -> NDArray[np.bool_]:
+    """Which points (n, 3) lie so near to an edge, of two components or of a wall, that they may be of either."""
+    plan = placed.vault.plan
+    reach = min(EDGE, EDGE_SHARE * 2 * min(plan.half_x, plan.half_y))
+    frame = placed.pose.frame()
+    local = points @ frame[:, :3].T + frame[:, 3]
+    surface = placed.vault.evaluate(local, walls=True)
+    own, foot = faces(surface), local - surface.distance[:, None] * surface.normal
+    level = np.where(np.abs(surface.normal[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
+    along = np.cross(surface.normal, level)
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    across = np.cross(surface.normal, along)
+    near = np.zeros(len(points), np.bool_)
+    for way in (along, -along, across, -across):
+        near |= faces(placed.vault.evaluate(foot + reach * way, walls=True)) != own
+    return near
+
+
+def _log_sum(values: Array) -> float:
+    """Logarithm of the sum of exponentials."""
+    top = float(values.max())
+    return top + log(float(np.exp(values - top).sum())) if top > -inf else -inf

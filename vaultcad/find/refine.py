@@ -1,0 +1,123 @@
+"""The last fit: the winning family on many points, its constraints kept where that costs little."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families.declaration.constraints import Constraint
+from families.declaration.corners import Skew
+from vaultcad.find.recognise import CLOSE, PAYS, Hypothesis, turned_over
+from vaultcad.fit.evidence import INDEPENDENT, Evidence
+from vaultcad.fit.freedom import NONE, RECTANGLE, Demands, Freedom
+from vaultcad.fit.solve import Placed, Solution
+from vaultcad.fit.uncertainty import loosened
+from vaultcad.survey.thinned_scan import Site
+
+Array = NDArray[np.float64]
+FEW, POINTS = 5_000, 20_000  # to choose what is free, and to fit that
+LAST = 1e-9  # share of the cost that a step of the last fit must still gain
+TIGHTEST, WIDEST = 0.004, 0.05  # m, limits of the last loss
+FAINT = 1e-4  # of the cost
+WALLS = 0.03  # weight of a wall's point in the last fit
+
+
+@dataclass(frozen=True)
+class Refined:
+    """The final solution with the evidence it rests on and the scatter (robust standard deviation) that it leaves [m].
+
+    kept: the constraints that hold in it. loosest: what may move if only those are kept that seldom fail.
+    """
+
+    solution: Solution
+    evidence: Evidence
+    scatter: float
+    kept: tuple[Constraint, ...]
+    loosest: Freedom
+
+    @property
+    def placed(self) -> Placed:
+        """The vault where it stands."""
+        return self.solution.placed
+
+    @property
+    def points(self) -> Array:
+        """That the solution rests on (n, 3) [m]."""
+        return self.evidence.points
+
+    @property
+    def loose(self) -> Solution:
+        """The solution with all unknowns that it may be wrong in."""
+        return loosened(self.solution, self.loosest, self.points)
+
+
+def refine(winner: Hypothesis, site: Site, rng: np.random.Generator, *, demands: Demands = NONE) -> Refined:
+    """Fit the winner to up to `POINTS` points of the site, narrowing the loss to the scatter that is left.
+
+    Constraints that seldom fail are let go where that pays, the others are kept where that costs nothing; the price of
+    a parameter is Schwarz's.
+    """
+    start = winner.solution.placed
+    if RECTANGLE.name in demands.freed:
+        start = replace(start, vault=replace(start.vault, skew=Skew()))
+    fit = _Fit(Evidence.draw(site, FEW, rng, demands, about=[start]), demands)
+    best = fit(start, winner.kept)
+    for constraint in demands.keepable(start.vault):
+        trial = fit(*turned_over(best.placed, best.kept, constraint))
+        more, less = (best, trial) if constraint in best.kept else (trial, best)  # constrained
+        saved = len(less.solution.names) - len(more.solution.names)
+        if saved:
+            price = PAYS if constraint.rare else saved * log(INDEPENDENT)
+            best = less if fit.gain(more, less) > price else more
+    # What is reported are the deviations of the vault's points: walls only help, and what is seen well counts more.
+    weights = np.where(site.weights < 1, WALLS, 1.0) * np.sqrt(site.counts)
+    evidence = Evidence.draw(site, POINTS, rng, demands, weights=weights)
+    return settled(best.placed, best.kept, evidence, best.scatter, demands)
+
+
+def settled(
+    start: Placed, kept: Sequence[Constraint], evidence: Evidence, scatter: float, demands: Demands = NONE
+) -> Refined:
+    """The last fit to all evidence, from near by, under these constraints; `scatter`: what is known of it [m]."""
+    return _Fit(evidence, demands, LAST, 60)(start, kept, scatter)
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Fits to one evidence, the loss narrowed to the scatter that is left."""
+
+    evidence: Evidence
+    demands: Demands
+    close: float = CLOSE
+    most: int = 15
+
+    def __call__(self, start: Placed, kept: Sequence[Constraint], scatter: float = WIDEST) -> Refined:
+        """`scatter`: what is known of it [m]; a start that is good is not to be left for the sake of far points."""
+        free = self.demands.freedom(start.vault, kept)
+        for _ in range(4):
+            scale = float(np.clip(4 * scatter, TIGHTEST, WIDEST))
+            solution = self.evidence.solve(start, free, (scale,), most=self.most, gain=self.close)
+            start, scatter = solution.placed, _scatter(solution, self.evidence.weights)
+        loosest = self.demands.freedom(solution.placed.vault, [c for c in kept if c.rare])
+        return Refined(solution, self.evidence, scatter, tuple(kept), loosest)
+
+    def gain(self, worse: Refined, better: Refined) -> float:
+        """How much more likely the second is, in the units of a score."""
+        scale = float(np.clip(4 * better.scatter, TIGHTEST, WIDEST))
+        costs = [self.evidence.cost(one.placed, scale) + FAINT for one in (worse, better)]  # no scan is exact
+        return INDEPENDENT * log(costs[0] / costs[1])
+
+
+def _scatter(solution: Solution, weights: Array) -> float:
+    """Standard deviation of the residuals, from the weighted median of those that are no outliers [m]."""
+    size = np.abs(solution.residuals)
+    near = np.flatnonzero(size < 3 * WIDEST)
+    if len(near) == 0:
+        return WIDEST
+    order = near[np.argsort(size[near])]
+    share = np.cumsum(weights[order])
+    return float(1.4826 * size[order[np.searchsorted(share, share[-1] / 2)]])

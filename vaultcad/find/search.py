@@ -1,0 +1,206 @@
+"""Finding the vaults of a scan: a region is one vault if a family explains it, else its bays are tried each alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Lunette, Vault
+from vaultcad.errors import NoVaultError
+from vaultcad.find.choices import Choice, likeliest, weigh
+from vaultcad.find.no_vault import check
+from vaultcad.find.recognise import Hypothesis, recognise
+from vaultcad.find.refine import Refined, refine
+from vaultcad.fit.freedom import NONE, Demands
+from vaultcad.fit.label import label
+from vaultcad.fit.solve import Placed
+from vaultcad.survey.bay_arches import bay_of, without_arches
+from vaultcad.survey.bays import LEAST, Ceiling, Region
+from vaultcad.survey.thinned_scan import Site, Thin, find_site
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+TOLERANCE = (0.03, 0.12)  # m, limits of the band that a vault's points lie in
+BAND = 4.0  # that band in scatters of the fit
+NARROW = 0.9  # m, span of a part of a scan that is rather an arch, or nothing
+SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
+HIGH = 0.93  # crown of lunettes / crown of their barrel from which on they may be groin vaults in a row
+CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
+GAIN = 1.05  # the bays must explain so much more than one vault over all of them
+FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
+
+
+@dataclass(frozen=True)
+class Found:
+    """One vault of a scan. hypotheses: the most likely first. tolerance: of the band its points lie in [m].
+
+    choices: of arches and constraints; with the first it is refined.
+    """
+
+    site: Site
+    hypotheses: tuple[Hypothesis, ...]
+    refined: Refined
+    tolerance: float
+    choices: tuple[Choice, ...] = ()
+
+    @property
+    def placed(self) -> Placed:
+        """The vault where it stands."""
+        return self.refined.placed
+
+
+def find_vaults(
+    thin: Thin,
+    xyz: NDArray[np.floating],
+    families: Sequence[type[Vault]],
+    rng: np.random.Generator,
+    demands: Demands = NONE,
+) -> tuple[Found, ...]:
+    """All vaults of a scan, from its thinned points and all of them (n, 3) [m], with what is demanded of each.
+
+    Raises:
+        NoVaultError: there is none.
+    """
+    search = _Search(thin, xyz, Ceiling.of(thin), tuple(families), rng, demands)
+    found = search.region(search.ceiling.room)
+    if not found:
+        raise search.refusals[0]
+    return tuple(_likeliest(one, demands, rng) for one in found)
+
+
+def _likeliest(found: Found, demands: Demands, rng: np.random.Generator) -> Found:
+    """The same vault with the arches and under the constraints with which it was most likely built."""
+    choices = weigh(found.refined, demands, rng)
+    refined = likeliest(found.refined, choices, demands)
+    return replace(found, refined=refined, tolerance=_tolerance(refined), choices=choices)
+
+
+def _tolerance(refined: Refined) -> float:
+    """Half of the band that the points of a vault lie in [m]."""
+    return float(np.clip(BAND * refined.scatter, *TOLERANCE))
+
+
+@dataclass(frozen=True)
+class _Search:
+    """One search: what it searches, and why regions were refused, the whole scan first."""
+
+    thin: Thin
+    xyz: NDArray[np.floating]
+    ceiling: Ceiling
+    families: tuple[type[Vault], ...]
+    rng: np.random.Generator
+    demands: Demands = NONE
+    refusals: list[NoVaultError] = field(default_factory=list)
+
+    def region(self, region: Region, *, part: bool = False) -> list[Found]:
+        """The vaults over a region."""
+        try:
+            one = self._fit(region, part)
+        except NoVaultError as error:
+            self.refusals.append(error)
+            one = None
+        parts = self.ceiling.parts(region)
+        if (len(parts) == 1 and parts[0] is region) or (one and self._settled(one, region)):
+            return [one] if one else []
+        bays = [found for bay in parts for found in self.region(bay, part=True)]
+        if one is None:
+            return bays
+        gain = 1 / GAIN if _in_a_row(one) else GAIN
+        return bays if self._explained(bays, region) > gain * self._explained([one], region) else [one]
+
+    def _fit(self, region: Region, part: bool) -> Found:
+        """One vault over all of a region, which may be a part of the scan only.
+
+        Raises:
+            NoVaultError: none is near enough to what hangs there, or too little of it is there.
+        """
+        found = self._without_arches(region)
+        vault = found.placed.vault
+        seen = self._explained([found], region) * self.ceiling.cell**2
+        short = 2 * min(vault.plan.half_x, vault.plan.half_y)
+        area = 4 * vault.plan.half_x * vault.plan.half_y
+        if part and (short < NARROW or area < LEAST):
+            raise NoVaultError(
+                f"no vault found: a {vault.title} {short:.1f} m wide over {area:.1f} m² is an arch, if any"
+            )
+        if seen < (FILLED if part else PARTLY) * area:
+            raise NoVaultError(
+                f"no vault found: {seen:.1f} m² of a {vault.title} are too little of its {area:.1f} m²; "
+                "scan all of it, or crop to one bay"
+            )
+        return found
+
+    def _without_arches(self, region: Region) -> Found:
+        """One vault over a region, or over what of it lies between arches.
+
+        Raises:
+            NoVaultError: none is near enough to what hangs there.
+        """
+        thin, xyz = bay_of(self.thin, self.xyz, region)
+        inner_thin, inner = without_arches(thin, xyz, region)
+        if len(inner_thin.points) == len(thin.points):
+            return self._one(thin, xyz)
+        found = self._one(inner_thin, xyz[inner.holds(xyz)])
+        plan = found.placed.vault.plan
+        if not (plan.on_wall_x or plan.on_wall_y):
+            return found
+        # A vault that stands on walls has no arches on its sides; lunettes look like them.
+        with suppress(NoVaultError):
+            whole = self._one(thin, xyz)
+            if self._explained([whole], region) > GAIN * self._explained([found], region):
+                return whole
+        return found
+
+    def _one(self, thin: Thin, xyz: NDArray[np.floating]) -> Found:
+        """One vault over all these points, thinned and all of them.
+
+        Raises:
+            NoVaultError: none is near enough to what hangs there.
+        """
+        site = _under_its_ceiling(find_site(thin, xyz), thin)
+        hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
+        refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
+        found = Found(site, hypotheses, refined, _tolerance(refined))
+        check(refined, site, found.tolerance)
+        return found
+
+    def _settled(self, one: Found, region: Region) -> bool:
+        """Whether one vault explains so much of a region that its bays need not be tried."""
+        return not _in_a_row(one) and self._explained([one], region) >= SURE * len(self.ceiling.points(region))
+
+    def _explained(self, found: Sequence[Found], region: Region) -> int:
+        """Over how many of the ceiling's cells of a region the vaults hang."""
+        points = self.ceiling.points(region)
+        labels = label(points, [(one.placed, one.tolerance) for one in found])
+        return int((labels.vault > 0).sum())
+
+
+def _under_its_ceiling(site: Site, thin: Thin) -> Site:
+    """The site with its crown at the top of what hangs together over it, and nothing of what is far above that.
+
+    Reveals of windows and shafts go far up, but over a small part of the plan.
+    """
+    top = Ceiling.of(thin).height
+    if not np.isfinite(top).any():
+        return site
+    crown = min(float(np.nanquantile(top, CROWN)), site.crown)
+    below = site.points[:, 2] < crown + ABOVE
+    if below.all() or crown > site.crown - ABOVE:
+        return site
+    arrays = {name: getattr(site, name)[below] for name in ("points", "normals", "weights", "counts")}
+    return replace(site, crown=crown, **arrays)
+
+
+def _in_a_row(found: Found) -> bool:
+    """Whether a vault with lunettes might be a row of groin vaults."""
+    vault = found.placed.vault
+    return (
+        isinstance(vault, Lunette)
+        and vault.count > 1
+        and vault.lunette_springing + vault.lunette_rise > HIGH * vault.rise
+    )

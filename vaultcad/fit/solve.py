@@ -1,0 +1,190 @@
+"""Robust, bounded least squares: pose and parameters of a vault against points, all at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Vault
+from families.void import kernel
+from vaultcad.fit.freedom import Freedom
+from vaultcad.model import Pose
+
+Array = NDArray[np.float64]
+POSE = ("x", "y", "z", "yaw")
+STEP = 1e-6  # of finite differences; lengths are metres, ratios and angles of the same order
+MARGIN = 1e-9
+LONGEST = 0.5  # m, rad or 1: no step goes farther, however flat the cost
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A vault where it stands."""
+
+    vault: Vault
+    pose: Pose
+
+    def distance(self, points: Array) -> Array:
+        """Signed distances (n,) [m] of points (n, 3) to the vault on its walls."""
+        if self.vault.skew is not None:
+            return self.vault.distance(points, frame=self.pose.frame(), walls=True)
+        out: Array = kernel.distances(points, *self.packed())
+        return out
+
+    def packed(self) -> tuple[Array, Array, Array]:
+        """Frame, table of bodies and outline, as `families.void.kernel` takes them."""
+        vault = self.vault
+        return self.pose.frame(), kernel.pack(vault.pieces(), vault.components), kernel.pack_plan(vault.plan)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Where the least squares came to rest.
+
+    names: the unknowns, pose first. jacobian: (n, k) of the distances. weights: (n,) robust weights times the points'.
+    free: what the names may move, and what follows them.
+    """
+
+    placed: Placed
+    names: tuple[str, ...]
+    residuals: Array
+    weights: Array
+    jacobian: Array
+    converged: bool
+    free: Freedom
+
+
+def robust_cost(residuals: Array, scale: float) -> Array:
+    """Geman and McClure (1987): (n,) from 0 for a fit to 1 for an outlier; one half at |residual| = scale [m]."""
+    squared = (residuals / scale) ** 2
+    cost: Array = squared / (1 + squared)
+    return cost
+
+
+def solve(
+    start: Placed,
+    points: Array,
+    weights: Array,
+    free: Freedom | tuple[str, ...],
+    scales: tuple[float, ...],
+    *,
+    lowest: float = -np.inf,
+    most: int = 15,
+    gain: float = 1e-7,
+) -> Solution:
+    """Fit pose and `free` parameters to points (n, 3) with weights (n,), the springing not below `lowest` [m].
+
+    What is tied follows at every step; parts of the pose that are fixed stay.
+
+    Levenberg-Marquardt on iteratively reweighted residuals; the loss narrows through `scales` [m], from one that sees
+    far outliers to one that does not (graduated non-convexity, Blake and Zisserman 1987); each ends after `most` steps
+    or when a step lowers the cost by less than the share `gain`. Steps are projected on the
+    parameters' ranges; an unknown that leans on its bound rests there (Kanzow, Yamashita, Fukushima 2004).
+    """
+    if not isinstance(free, Freedom):
+        free = Freedom(free)
+    names = (*POSE, *free.names)
+    low, high = _bounds(start.vault, free, lowest)
+    x = np.clip(_vector(start, free), low, high)
+    placed, converged = _placed(start, free, x), False
+    r = placed.distance(points)
+    for scale in scales:
+        damping, converged = 1e-3, False
+        cost = float(weights @ robust_cost(r, scale))
+        for _ in range(most):
+            w = weights / (1 + (r / scale) ** 2) ** 2
+            jacobian = _jacobian(start, free, x, high, points)
+            gradient, hessian = jacobian.T @ (w * r), (jacobian.T * w) @ jacobian
+            resting = ((x <= low + MARGIN) & (gradient > 0)) | ((x >= high - MARGIN) & (gradient < 0))
+            moved = False
+            while damping < 1e6:
+                step = _step(hessian, gradient, damping, ~resting)
+                trial = np.clip(x + step, low, high)
+                new = _placed(start, free, trial)
+                residuals = new.distance(points)
+                trial_cost = float(weights @ robust_cost(residuals, scale))
+                if trial_cost < cost:
+                    damping, moved = max(damping / 5, 1e-9), True
+                    break
+                damping *= 5
+            if not moved:
+                converged = True  # no direction lowers the cost
+                break
+            gained, size = (cost - trial_cost) / max(cost, 1e-300), float(np.abs(trial - x).max())
+            x, r, cost, placed = trial, residuals, trial_cost, new
+            if size < 1e-7 or gained < gain:
+                converged = True
+                break
+    w = weights / (1 + (r / scales[-1]) ** 2) ** 2
+    return Solution(placed, names, r, w, _jacobian(start, free, x, high, points), converged, free)
+
+
+def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool_]) -> Array:
+    step = np.zeros_like(gradient)
+    h = hessian[np.ix_(free, free)]
+    diagonal = np.diag(h) + 1e-12 * max(float(np.diag(h).max(initial=0.0)), 1e-12)
+    step[free] = -np.linalg.solve(h + np.diag(damping * diagonal + 1e-15), gradient[free])
+    return np.clip(step, -LONGEST, LONGEST)
+
+
+def _jacobian(start: Placed, free: Freedom, x: Array, high: Array, points: Array) -> Array:
+    """Derivatives (n, k) of the distances: by the pose from the normals, by the parameters from finite differences."""
+    jacobian = np.empty((len(points), len(x)))
+    placed = _placed(start, free, x)
+    normal, moves = _slopes(placed, points)
+    jacobian[:, :3] = -normal
+    jacobian[:, 3] = normal[:, 0] * (points[:, 1] - x[1]) - normal[:, 1] * (points[:, 0] - x[0])
+    jacobian[:, [k for k, name in enumerate(POSE) if name in free.pose]] = 0
+    for k in range(len(POSE), len(x)):
+        step = STEP if x[k] + STEP <= high[k] else -STEP
+        moved = x.copy()
+        moved[k] += step
+        jacobian[:, k] = moves(_placed(start, free, moved)) / step
+    return jacobian
+
+
+def _slopes(placed: Placed, points: Array) -> tuple[Array, Callable[[Placed], Array]]:
+    """Normals (n, 3) at points (n, 3), and by how much their distances (n,) [m] change to a vault a little different.
+
+    The body that decides a point's distance still does after a small step, so only that one is asked again.
+    """
+    if placed.vault.skew is not None:
+        here = placed.vault.evaluate(points, frame=placed.pose.frame(), walls=True)
+        return here.normal, lambda other: other.distance(points) - here.distance
+    frame, table, plan = placed.packed()
+    rows, normal = kernel.deciding(points, frame, table, plan)
+    asked = kernel.to_rows(points, frame, table, plan, rows)
+
+    def moves(other: Placed) -> Array:
+        _, bodies, outline = other.packed()
+        if len(bodies) != len(table):  # a trough that is just not yet a cloister
+            return np.asarray(kernel.distances(points, frame, bodies, outline) - asked)
+        there = kernel.to_rows(points, frame, bodies, outline, rows)
+        # A point just above the axis of one side of a barrel may come to lie behind it, where that body ends.
+        return np.where(np.isfinite(there), there - asked, 0.0)
+
+    return normal, moves
+
+
+def _vector(placed: Placed, free: Freedom) -> Array:
+    values = placed.vault.values()
+    p = placed.pose
+    return np.array([p.x, p.y, p.z, p.yaw, *(values[name] for name in free.names)])
+
+
+def _placed(start: Placed, free: Freedom, x: Array) -> Placed:
+    vault = free.settled(start.vault, dict(zip(free.names, x[len(POSE) :].tolist(), strict=True)))
+    return Placed(vault, Pose(*x[: len(POSE)].tolist()))
+
+
+def _bounds(vault: Vault, free: Freedom, lowest: float) -> tuple[Array, Array]:
+    ranges = {p.name: p.range for p in vault.parameters()}
+    low = [-np.inf, -np.inf, lowest, -np.inf] + [ranges[name].low for name in free.names]
+    high = [np.inf] * len(POSE) + [ranges[name].high for name in free.names]
+    for k, name in enumerate(POSE):
+        if name in free.pose:
+            low[k] = high[k] = free.pose[name]
+    return np.array(low), np.array(high)
