@@ -19,7 +19,7 @@ from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import VaultcadError
 from vaultcad.model import FittedVault
-from vaultcad.pipeline import Settings, fit_scan
+from vaultcad.pipeline import FitSettings, fit_scan
 from vaultcad.scanner import draw, scan
 from vaultcad.scanner.turned import quarters, turned
 
@@ -86,7 +86,7 @@ def _numbers(family: type[Vault], seed: int) -> list[Number] | str:
     except (VaultcadError, ValueError):
         return "could not be scanned"
     try:
-        fitted = fit_scan(Cloud(virtual.xyz.astype(np.float32)), Settings(families=(family,))).model.vaults
+        fitted = fit_scan(Cloud(virtual.xyz.astype(np.float32)), FitSettings(families=(family,))).model.vaults
     except VaultcadError:
         return "refused, as no vault was found"
     nearest = min(fitted, key=lambda one: hypot(one.pose.x, one.pose.y))  # the truth stands on the origin

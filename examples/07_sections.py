@@ -21,7 +21,7 @@ from vaultcad.export.bundle import write_all
 from vaultcad.export.drawing import cut
 from vaultcad.export.geometry import Body, bodies
 from vaultcad.export.palette import colour
-from vaultcad.pipeline import Settings, fit_scan
+from vaultcad.pipeline import FitSettings, fit_scan
 
 ROOM = Path(__file__).with_name("room.laz")
 SLICE = 0.02  # m, to either side of a section
@@ -29,7 +29,7 @@ SLICE = 0.02  # m, to either side of a section
 
 def main(out: Path, scan: Path = ROOM) -> None:
     cloud = read(scan)
-    result = fit_scan(cloud, Settings(families=(Groin,)), progress=print)
+    result = fit_scan(cloud, FitSettings(families=(Groin,)), progress=print)
     labels = result.labels
     extra: dict[str, NDArray[Any]] = dict(vars(labels))  # component, vault and deviation of each point
     write_all(result.model, out / "model", segments=lambda path: write_labelled(scan, path, cloud, extra))

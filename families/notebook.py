@@ -42,10 +42,10 @@ def bundle(vault: Vault) -> dict[str, Any]:
     """What a vault shows, by MIME type."""
     rows = sizes(vault)
     page = titled(vault.title.capitalize(), sections(vault) + table(rows))
-    return shown(page, lambda: surfaces(vault, IDENTITY), rows)
+    return mime_bundle(page, lambda: surfaces(vault, IDENTITY), rows)
 
 
-def shown(page: str, traces: Callable[[], Sequence[Trace]], rows: Iterable[Sequence[str]]) -> dict[str, Any]:
+def mime_bundle(page: str, traces: Callable[[], Sequence[Trace]], rows: Iterable[Sequence[str]]) -> dict[str, Any]:
     """A page in HTML, with plotly's figure of traces and rows beside it where that can be drawn and there is any."""
     drawn = traces() if find_spec("plotly") is not None else []
     return {HTML: page} | ({PLOTLY: figure(drawn, rows)} if drawn else {})

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from families.notebook import Trace, sections, shown, surfaces, table, titled
-from vaultcad.export.report_json import shown as readable
+from families.notebook import Trace, mime_bundle, sections, surfaces, table, titled
+from vaultcad.export.report_json import in_shown_unit
 from vaultcad.model import Estimate, FittedVault, Model
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ REACH = 0.98  # share of the points within the ends of their colours
 
 def of_fitted(fitted: FittedVault) -> dict[str, Any]:
     """What one fitted vault shows, by MIME type; the view in its own frame."""
-    return shown(_page(fitted, "", None), lambda: surfaces(fitted.vault, np.eye(3, 4)), _rows(fitted))
+    return mime_bundle(_page(fitted, "", None), lambda: surfaces(fitted.vault, np.eye(3, 4)), _rows(fitted))
 
 
 def of_model(model: Model, points: Floats | None = None, traces: Sequence[Trace] = ()) -> dict[str, Any]:
@@ -48,7 +48,7 @@ def of_model(model: Model, points: Floats | None = None, traces: Sequence[Trace]
         return [*(trace for own in found for trace in own), *traces] if all(found) else []
 
     rows = [(number + row[0], *row[1:]) for number, f in zip(numbers, model.vaults, strict=True) for row in _rows(f)]
-    return shown(titled(head, pages), drawn, rows)
+    return mime_bundle(titled(head, pages), drawn, rows)
 
 
 def of_result(result: Result) -> dict[str, Any]:
@@ -91,7 +91,7 @@ def _page(fitted: FittedVault, number: str, points: Floats | None) -> str:
 
 def _rows(fitted: FittedVault) -> list[Row]:
     kinds = [(name, kind, "", "kind of arch") for name, kind in fitted.arches.items()]
-    return kinds + [(name, *_told(readable(e)), e.meaning) for name, e in fitted.parameters.items()]
+    return kinds + [(name, *_told(in_shown_unit(e)), e.meaning) for name, e in fitted.parameters.items()]
 
 
 def _told(e: Estimate) -> tuple[str, str]:

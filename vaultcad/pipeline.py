@@ -45,7 +45,7 @@ AS_BUILT = 20_000  # points of the as-built surface; half of them make it, the o
 
 
 @dataclass(frozen=True)
-class Settings:
+class FitSettings:
     """What a user may ask of a fit."""
 
     families: tuple[type[Vault], ...] = FAMILIES
@@ -77,7 +77,7 @@ class Result:
 
 
 @one_thread
-def fit_scan(cloud: Cloud, settings: Settings = Settings(), *, progress: Progress = lambda stage: None) -> Result:
+def fit_scan(cloud: Cloud, settings: FitSettings = FitSettings(), *, progress: Progress = lambda stage: None) -> Result:
     """Find, recognise, fit and measure the vaults in a scan.
 
     Raises:

@@ -18,7 +18,7 @@ Direction = Literal["x", "y"]
 
 
 @dataclass(frozen=True)
-class Barrel:
+class BarrelPart:
     """Profile `curve` drawn across `across`, running along the other direction; walls stand below its springing.
 
     |across - centre| is the curve's u; `base` its springing. With `side` = +1 or -1 it is one cove: u counts from
@@ -45,7 +45,7 @@ class Barrel:
         """Height [m] of the axis above `base` at a place along it."""
         return self.crown_rise * (1 - (along / self.half_length) ** 2)
 
-    def grown(self, thickness: float) -> Barrel:
+    def grown(self, thickness: float) -> BarrelPart:
         """With all radii larger by `thickness` [m]."""
         return replace(self, curve=self.curve.grown(thickness))
 
@@ -120,7 +120,7 @@ class Lid:
         return self
 
 
-Part = Barrel | Ball | Turned | Ceiling | Lid
+Part = BarrelPart | Ball | Turned | Ceiling | Lid
 
 
 @dataclass(frozen=True)
@@ -136,11 +136,11 @@ class Piece:
         """
         parts = [p.grown(thickness) for p in self.parts]
         for k, part in enumerate(self.parts):
-            if isinstance(part, Barrel):
+            if isinstance(part, BarrelPart):
                 level = max(
                     grown.top
                     for grown, other in zip(parts, self.parts, strict=True)
-                    if isinstance(other, Barrel) and abs(other.top - part.top) < 1e-9
+                    if isinstance(other, BarrelPart) and abs(other.top - part.top) < 1e-9
                 )
                 parts[k] = part.grown(part.curve.thickness_below(level - part.base - part.crown_rise))
         return Piece(tuple(parts))

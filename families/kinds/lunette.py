@@ -7,8 +7,7 @@ from typing import Annotated, ClassVar
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
-from families.declaration.pieces import Barrel as BarrelPart
-from families.declaration.pieces import Piece, Plan
+from families.declaration.pieces import BarrelPart, Piece, Plan
 from families.declaration.profiles import Profile, Segmental, Semicircular
 from families.declaration.vault import Vault
 

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 
 from families.declaration.pieces import Piece
 from families.declaration.units import MM
-from families.solid.barrel_slopes import LEVEL, Groin, Slope, groin, placed, turning
+from families.solid.barrel_slopes import LEVEL, GroinLine, Slope, groin, placed, turning
 from families.solid.boundary import Loop, Step
 from families.solid.curves import Point, Simple, Spline, Straight
 from families.solid.plan_cells import NEAR, Cell
 from families.solid.surfaces import Drawn, Flat, Sheet, Translated
-from families.solid.visible_sides import Scene, parted, scene
+from families.solid.visible_sides import VisibleSides, parted, scene
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ def webs(pieces: tuple[Piece, ...], cell: Cell, sides: tuple[float, float]) -> I
             yield from (web for part in parted(cell, across, slope.at(place)) for web in webs(pieces, part, sides))
             return
     both = [here.slopes[across] for across in here.slopes]
-    line, curves = Groin(), []
+    line, curves = GroinLine(), []
     if len(both) == 2:
         line = groin(both[0], both[1], here.ceiling)
         curves = placed(line, both[0], both[1])
@@ -63,7 +63,7 @@ class _Half:
     Without a barrel that crosses it, v is the coordinate along it.
     """
 
-    scene: Scene
+    scene: VisibleSides
     slope: Slope
     own: list[float]
     other: list[float]
@@ -236,7 +236,7 @@ class _Half:
         return _step(Straight.through(first, 1 - self.slope.side.axis), first, last)
 
 
-def _ceiling(scene: Scene) -> Iterator[Web]:
+def _ceiling(scene: VisibleSides) -> Iterator[Web]:
     """The level plane, as far as the barrels stand higher."""
     if scene.ceiling == inf:
         return

@@ -15,7 +15,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.pieces import Barrel
+from families.declaration.pieces import BarrelPart
 from families.declaration.units import MM
 from families.solid.curves import SAMPLES, Spline
 from families.solid.surfaces import Side
@@ -33,11 +33,11 @@ HALVINGS = 60  # of an interval in which a root is sought
 class Slope:
     """A barrel on one side of its axis between u = near and u = far; `cross` is the barrel that it meets, if any."""
 
-    part: Barrel
+    part: BarrelPart
     sign: int
     near: float
     far: float
-    cross: Barrel | None
+    cross: BarrelPart | None
 
     @property
     def side(self) -> Side:
@@ -151,7 +151,7 @@ class Slope:
         return float(self.place(np.array([level]))[0])
 
 
-def _bare(part: Barrel) -> Barrel:
+def _bare(part: BarrelPart) -> BarrelPart:
     # Lifted axes belong to the plan's middle, where such barrels have their centres.
     return replace(part, centre=0.0, side=0, names=("", ""))
 
@@ -172,7 +172,7 @@ def turning(slope: Slope) -> float | None:
 
 
 @dataclass(frozen=True)
-class Groin:
+class GroinLine:
     """Where two slopes meet, from its highest to its lowest point.
 
     Knots (u, v) and their heights [m], and between them curves in (u, v, z) [mm].
@@ -183,12 +183,12 @@ class Groin:
     curves: tuple[Spline, ...] = ()
 
 
-def groin(first: Slope, second: Slope, ceiling: float) -> Groin:
+def groin(first: Slope, second: Slope, ceiling: float) -> GroinLine:
     """The line in which two slopes meet below a level, cut where either passes from one arc to the next."""
     return _groin(first.bare, second.bare, ceiling)
 
 
-def placed(line: Groin, first: Slope, second: Slope) -> list[Spline]:
+def placed(line: GroinLine, first: Slope, second: Slope) -> list[Spline]:
     """The curves of a groin where they lie in the frame [mm]."""
     matrix, place = np.diag([0.0, 0.0, 1.0]), np.zeros(3)
     for k, slope in enumerate((first, second)):
@@ -202,12 +202,12 @@ def forget() -> None:
 
 
 @lru_cache(maxsize=64)  # cells that are alike have the same
-def _groin(first: Slope, second: Slope, ceiling: float) -> Groin:
+def _groin(first: Slope, second: Slope, ceiling: float) -> GroinLine:
     pair = (first, second)
     top = min(*(slope.level_at(slope.high) for slope in pair), ceiling)
     foot = max(slope.level_at(slope.low) for slope in pair)
     if top - foot < LEVEL:
-        return Groin()
+        return GroinLine()
     levels = [top]
     for level in sorted((slope.level_at(u) for slope in pair for u in slope.breaks[1:-1]), reverse=True):
         if foot + LEVEL < level < levels[-1] - LEVEL:
@@ -216,7 +216,7 @@ def _groin(first: Slope, second: Slope, ceiling: float) -> Groin:
     knots = [(_snapped(first, level), _snapped(second, level)) for level in levels]
     heights = [level + first.raised_at(u) + second.raised_at(v) for level, (u, v) in zip(levels, knots, strict=True)]
     curves = [_curve(pair, *ends) for ends in zip(pairwise(levels), pairwise(knots), strict=True)]
-    return Groin(tuple(knots), tuple(heights), tuple(curves))
+    return GroinLine(tuple(knots), tuple(heights), tuple(curves))
 
 
 def _snapped(slope: Slope, level: float) -> float:

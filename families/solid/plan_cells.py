@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise, product
 
-from families.declaration.pieces import Ball, Barrel, Direction, Piece, Plan
+from families.declaration.pieces import Ball, BarrelPart, Direction, Piece, Plan
 
 NEAR = 1e-6  # [m], cuts nearer than that are one
 
@@ -47,7 +47,7 @@ def cuts(pieces: tuple[Piece, ...], plan: Plan) -> Cuts:
     found: dict[Direction, list[float]] = {"x": [], "y": []}
     axes: dict[Direction, list[float]] = {"x": [], "y": []}
     for part in (part for piece in pieces for part in piece.parts):
-        if isinstance(part, Barrel):
+        if isinstance(part, BarrelPart):
             found[part.across].append(part.centre)
             if not part.side:
                 axes[part.across].append(part.centre)
@@ -73,7 +73,7 @@ def _apart(places: list[float], half: float) -> tuple[float, ...]:
 class View:
     """A barrel as a cell sees it: on one side of its axis, from u = near to u = far."""
 
-    part: Barrel
+    part: BarrelPart
     cell: Cell
 
     @property

@@ -26,7 +26,7 @@ from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.TColgp import TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array2OfReal
 
-from families.declaration.pieces import Barrel
+from families.declaration.pieces import BarrelPart
 from families.declaration.units import MM
 from families.solid.curves import (
     AXES,
@@ -89,7 +89,7 @@ class Flat(Sheet):
 class Side:
     """One side of a barrel: from its axis to the wall where `sign` · across grows."""
 
-    part: Barrel
+    part: BarrelPart
     sign: int
 
     @property

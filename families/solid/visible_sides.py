@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import copysign, inf
 
-from families.declaration.pieces import Barrel, Ceiling, Direction, Piece
+from families.declaration.pieces import BarrelPart, Ceiling, Direction, Piece
 from families.solid.barrel_slopes import Slope
 from families.solid.plan_cells import NEAR, Cell, View
 
@@ -13,7 +13,7 @@ DECIMALS = 12  # of a metre, to which alike cells agree
 
 
 @dataclass(frozen=True)
-class Scene:
+class VisibleSides:
     """What shows in a cell: a barrel across each direction or none, the `lower` or the higher one, below a ceiling."""
 
     cell: Cell
@@ -42,12 +42,12 @@ class Scene:
         return copysign(side, place) if abs(abs(place) - side) < NEAR else place
 
 
-def scene(pieces: tuple[Piece, ...], cell: Cell, sides: tuple[float, float]) -> Scene:
+def scene(pieces: tuple[Piece, ...], cell: Cell, sides: tuple[float, float]) -> VisibleSides:
     """The barrels of pieces that a cell sees; about `sides` see `families.solid.barrel_faces`."""
-    barrels: list[Barrel] = []
+    barrels: list[BarrelPart] = []
     ceiling, lower = inf, False
     for piece in pieces:
-        views = [View(part, cell) for part in piece.parts if isinstance(part, Barrel)]
+        views = [View(part, cell) for part in piece.parts if isinstance(part, BarrelPart)]
         if any(view.outside for view in views):
             continue
         shown = [view.part for view in views if view.bounds]
@@ -56,14 +56,14 @@ def scene(pieces: tuple[Piece, ...], cell: Cell, sides: tuple[float, float]) -> 
         ceiling = min([ceiling, *(part.z for part in piece.parts if isinstance(part, Ceiling))])
     # Of equal barrels side by side, as grown lunettes that overlap, the one whose axis is nearest is the highest.
     barrels.sort(key=lambda part: View(part, cell).near, reverse=True)
-    by_direction: dict[Direction, Barrel] = {part.across: part for part in barrels}
+    by_direction: dict[Direction, BarrelPart] = {part.across: part for part in barrels}
     slopes: dict[Direction, Slope] = {}
     for across, part in by_direction.items():
         view = View(part, cell)
         far = view.far if view.far == part.curve.half_span else round(view.far, DECIMALS)
         cross = by_direction.get("y" if across == "x" else "x")
         slopes[across] = Slope(part, view.sign, round(view.near, DECIMALS), far, cross)
-    return Scene(cell, slopes, ceiling, lower, sides)
+    return VisibleSides(cell, slopes, ceiling, lower, sides)
 
 
 def parted(cell: Cell, across: Direction, place: float) -> tuple[Cell, Cell]:

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from families.declaration.pieces import Ball, Barrel, Ceiling, Lid, Part, Piece, Plan, Turned
+from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Piece, Plan, Turned
 from families.declaration.profiles import Curve
 
 Array = NDArray[np.float64]
@@ -46,7 +46,7 @@ def _row(piece: int, part: Part, ids: dict[str, float]) -> list[float]:
     row = [0.0] * WIDTH
     row[PIECE] = piece
     match part:
-        case Barrel():
+        case BarrelPart():
             row[KIND], row[NAMING], row[ACROSS] = BARREL, ALONG, float(part.across == "y")
             row[CENTRE], row[BASE], row[SIDE] = part.centre, part.base, part.side
             row[CROWN_RISE], row[HALF_LENGTH] = part.crown_rise, part.half_length

@@ -11,7 +11,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.pieces import Ball, Barrel, Ceiling, Lid, Part, Plan, Turned
+from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Plan, Turned
 from families.declaration.profiles import Arc, Curve
 from families.void.profile_outline import Bow, Wall, half_outline
 
@@ -33,7 +33,7 @@ class Strip(ABC):
 
 
 @dataclass(frozen=True)
-class Flat(Strip):
+class FlatStrip(Strip):
     """Horizontal rectangle."""
 
     z: float
@@ -52,10 +52,10 @@ class Flat(Strip):
 
 
 @dataclass(frozen=True)
-class Drawn(Strip):
+class DrawnStrip(Strip):
     """A line of a barrel's profile, on one side of its axis, drawn along it."""
 
-    part: Barrel
+    part: BarrelPart
     side: int
     line: Bow | Wall
     half: float
@@ -92,7 +92,7 @@ class Drawn(Strip):
 
 
 @dataclass(frozen=True)
-class Revolved(Strip):
+class RevolvedStrip(Strip):
     """A line turned about the z axis."""
 
     line: Bow | Wall
@@ -120,18 +120,18 @@ class Revolved(Strip):
 def strips(part: Part, plan: Plan) -> Iterator[Strip]:
     """All that may show of a part above the springing and within the plan."""
     match part:
-        case Barrel():
+        case BarrelPart():
             half = plan.half_y if part.across == "x" else plan.half_x
             for side in (part.side,) if part.side else (-1, 1):
                 for line in _lines(part.curve, -part.base - part.crown_rise):
-                    yield Drawn(part, side, line, half)
+                    yield DrawnStrip(part, side, line, half)
         case Ball():
             sphere = Curve(part.radius, part.radius, 0.0, (Arc(0.0, 0.0, part.radius),))
-            yield from (Revolved(line, part.z) for line in _lines(sphere, -part.z))
+            yield from (RevolvedStrip(line, part.z) for line in _lines(sphere, -part.z))
         case Turned():
-            yield from (Revolved(line, part.base) for line in _lines(part.curve, part.foot - part.base))
+            yield from (RevolvedStrip(line, part.base) for line in _lines(part.curve, part.foot - part.base))
         case Ceiling():
-            yield Flat(part.z, plan.half_x, plan.half_y)
+            yield FlatStrip(part.z, plan.half_x, plan.half_y)
         case Lid():
             return
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from segmentation.crs import of_wkt
 from segmentation.errors import COPY_AGAIN, ReadError
 from segmentation.io.chunk import SIZE, Chunk
-from segmentation.io.e57_bounds import Bounds
+from segmentation.io.e57_bounds import ScanBounds
 from segmentation.io.e57_check import check_e57
 from segmentation.io.e57_records import check_records
 from segmentation.io.facts import Facts
@@ -36,7 +36,7 @@ UNIT = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Pose:
+class ScanPose:
     """Where a scan's own frame lies in the file's: file = rotation @ own + translation."""
 
     rotation: NDArray[np.float64]
@@ -75,7 +75,9 @@ def read_e57(path: Path, facts: Facts) -> Iterator[Chunk]:
             pose = _pose(path, scan, number, facts)
             lone = pose is None or (pose.is_identity and len(scans) == 1)
             stations = None if pose is None or lone else pose.translation[None]
-            bounds = Bounds(scan, *((np.eye(3), np.zeros(3)) if pose is None else (pose.rotation, pose.translation)))
+            bounds = ScanBounds(
+                scan, *((np.eye(3), np.zeros(3)) if pose is None else (pose.rotation, pose.translation))
+            )
             first, zeros = done, dict[str, int]()
             for raw in _raw_chunks(path, image, scan):
                 chunk = _chunk(raw, scan, pose, bounds)
@@ -123,7 +125,7 @@ def _raw_chunks(path: Path, image: Any, scan: Any) -> Iterator[dict[str, NDArray
             reader.close()
 
 
-def _chunk(raw: dict[str, NDArray[Any]], scan: Any, pose: Pose | None, bounds: Bounds) -> Chunk:
+def _chunk(raw: dict[str, NDArray[Any]], scan: Any, pose: ScanPose | None, bounds: ScanBounds) -> Chunk:
     cartesian = CARTESIAN[0] in raw
     xyz = np.stack([raw[f] for f in CARTESIAN], axis=1) if cartesian else _cartesian(*(raw[f] for f in SPHERICAL))
     state = raw.get("cartesianInvalidState" if cartesian else "sphericalInvalidState")
@@ -172,7 +174,7 @@ def _scaled(values: NDArray[Any], scan: Any, limits: str, field: str) -> NDArray
     return np.round(np.clip((values - low) * (TOP / (high - low)), 0, TOP)).astype(np.uint16)
 
 
-def _pose(path: Path, scan: Any, number: int, facts: Facts) -> Pose | None:
+def _pose(path: Path, scan: Any, number: int, facts: Facts) -> ScanPose | None:
     """The pose of a scan, which is the number-th of its file.
 
     Raises ReadError if its numbers make no motion.
@@ -200,7 +202,7 @@ def _pose(path: Path, scan: Any, number: int, facts: Facts) -> Pose | None:
             [x * z - w * y, y * z + w * x, -x * x - y * y],
         ]
     )
-    return Pose(rotation, translation, is_identity=bool((rotation == np.eye(3)).all() and not translation.any()))
+    return ScanPose(rotation, translation, is_identity=bool((rotation == np.eye(3)).all() and not translation.any()))
 
 
 def _numbers(node: Any, child: str, names: str, default: list[float]) -> list[float]:

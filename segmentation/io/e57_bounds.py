@@ -12,7 +12,7 @@ ENDS = ("Minimum", "Maximum")
 Box = NDArray[np.float64]  # (2, 3), lowest and highest corner
 
 
-class Bounds:
+class ScanBounds:
     """The box of a scan, and that of its points so far: in the scan's own frame, and in the file's."""
 
     def __init__(self, scan: Any, rotation: NDArray[np.float64], translation: NDArray[np.float64]) -> None:

@@ -34,7 +34,7 @@ class Section:
 
 
 @dataclass(frozen=True)
-class Scan:
+class PointsSection:
     """What the XML says of the points of a scan: their place, how many there are, bits of each field of one."""
 
     at: int
@@ -76,12 +76,12 @@ def check_records(path: Path, xml: bytes) -> list[str]:
     return found
 
 
-def _scans(path: Path, xml: bytes) -> list[Scan]:
+def _scans(path: Path, xml: bytes) -> list[PointsSection]:
     try:
         root = Xml.fromstring(xml)
         points = list(root.iterfind("{*}data3D/*/{*}points"))
         return [
-            Scan(
+            PointsSection(
                 int(node.get("fileOffset", "0")),
                 int(node.get("recordCount", "0")),
                 tuple(_bits(field) for field in _leaves(node.find("{*}prototype"))),
@@ -117,7 +117,7 @@ def _bits(field: Xml.Element) -> int:
     return max(high - low, 0).bit_length()
 
 
-def _sections(path: Path, file: BinaryIO, scans: dict[int, Scan]) -> dict[int, Section]:
+def _sections(path: Path, file: BinaryIO, scans: dict[int, PointsSection]) -> dict[int, Section]:
     """Where the packets of each scan are; no two scans share any, or a small file would take long.
 
     Raises ReadError if they do, or a section is not where the XML says.

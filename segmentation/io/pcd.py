@@ -30,7 +30,7 @@ WAY_OUT = "export the scan again as PCD, E57, LAZ or PLY"
 
 
 @dataclass(frozen=True)
-class Layout:
+class PcdLayout:
     """What the header says. viewpoint: where the scanner stood [m], None where it stood in the origin."""
 
     dtype: np.dtype[np.void]
@@ -55,7 +55,7 @@ def read_pcd(path: Path, facts: Facts) -> Iterator[Chunk]:
         stations = None
 
 
-def _layout(path: Path, facts: Facts) -> Layout:
+def _layout(path: Path, facts: Facts) -> PcdLayout:
     header: dict[str, list[str]] = {}
     with path.open("rb") as file:
         while "DATA" not in header:
@@ -103,7 +103,7 @@ def _layout(path: Path, facts: Facts) -> Layout:
     if not set(XYZ) <= set(names):
         raise ReadError(path, "has no fields x, y and z", WAY_OUT)
     tell_order(facts, names)
-    return Layout(dtype, count, encoding, start, None if place == HOME else np.array([place]))
+    return PcdLayout(dtype, count, encoding, start, None if place == HOME else np.array([place]))
 
 
 def _one(words: list[str]) -> str:
@@ -112,7 +112,7 @@ def _one(words: list[str]) -> str:
     return word
 
 
-def _ascii(path: Path, layout: Layout, facts: Facts) -> Values:
+def _ascii(path: Path, layout: PcdLayout, facts: Facts) -> Values:
     width = sum(int(np.prod(layout.dtype[name].shape, dtype=int)) for name in layout.dtype.names or ())
     have = 0
     rows = Rows(path, width, start=layout.start, limit=layout.count)
@@ -126,7 +126,7 @@ def _ascii(path: Path, layout: Layout, facts: Facts) -> Values:
         tell_unended(facts)
 
 
-def _binary(path: Path, layout: Layout, facts: Facts) -> Values:
+def _binary(path: Path, layout: PcdLayout, facts: Facts) -> Values:
     have = (path.stat().st_size - layout.start) // layout.dtype.itemsize
     if have < layout.count:
         raise truncated(path, layout.count, have)
@@ -138,7 +138,7 @@ def _binary(path: Path, layout: Layout, facts: Facts) -> Values:
     tell_bytes(path, facts, layout.start + layout.count * layout.dtype.itemsize, PAGE)
 
 
-def _compressed(path: Path, layout: Layout, facts: Facts) -> Values:
+def _compressed(path: Path, layout: PcdLayout, facts: Facts) -> Values:
     """Two lengths, then all values of the first field, all of the second, …, compressed together."""
     from segmentation.io.lzf import unpack  # numba takes half a second, which other files need not wait for
 
@@ -163,7 +163,7 @@ def _compressed(path: Path, layout: Layout, facts: Facts) -> Values:
     tell_bytes(path, facts, layout.start + lengths.nbytes + len(packed), PAGE)
 
 
-DECODERS: dict[str, Callable[[Path, Layout, Facts], Values]] = {
+DECODERS: dict[str, Callable[[Path, PcdLayout, Facts], Values]] = {
     "ascii": _ascii,
     "binary": _binary,
     "binary_compressed": _compressed,

@@ -10,7 +10,7 @@ from segmentation.errors import ReadError
 from segmentation.io.chunk import SIZE, Chunk
 from segmentation.io.facts import Facts
 from segmentation.io.numbers import number_of, whole_of
-from segmentation.io.ply_header import WAY_OUT, Element, Layout, Property, layout_of
+from segmentation.io.ply_header import WAY_OUT, Element, PlyLayout, Property, layout_of
 from segmentation.io.records import chunk_of, from_table
 from segmentation.io.rest import tell_bytes, tell_damaged, tell_lines, tell_unended, truncated
 from segmentation.io.table import Rows, has_end, opened, rest_of
@@ -29,7 +29,7 @@ def read_ply(path: Path, facts: Facts) -> Iterator[Chunk]:
         yield chunk_of(values, done)
 
 
-def vertices(path: Path, layout: Layout, facts: Facts) -> Values:
+def vertices(path: Path, layout: PlyLayout, facts: Facts) -> Values:
     """Vertices as a structured array, chunk by chunk, each with the share of the file that is read then."""
     if layout.encoding == "ascii":
         return _ascii_lists(path, layout, facts) if layout.vertex.has_lists else _ascii(path, layout, facts)
@@ -38,7 +38,7 @@ def vertices(path: Path, layout: Layout, facts: Facts) -> Values:
     return _binary(path, layout, facts)
 
 
-def _binary(path: Path, layout: Layout, facts: Facts) -> Values:
+def _binary(path: Path, layout: PlyLayout, facts: Facts) -> Values:
     start, count = layout.start + sum(e.count * e.dtype.itemsize for e in layout.before), layout.vertex.count
     have = (path.stat().st_size - start) // layout.dtype.itemsize
     if have < count:
@@ -51,7 +51,7 @@ def _binary(path: Path, layout: Layout, facts: Facts) -> Values:
     _tell_rest(path, layout, start + count * layout.dtype.itemsize, facts)
 
 
-def _binary_lists(path: Path, layout: Layout, facts: Facts) -> Values:
+def _binary_lists(path: Path, layout: PlyLayout, facts: Facts) -> Values:
     """Where records differ in length, each is looked for behind the one before it."""
     from segmentation.io.ply_lists import walk  # numba takes half a second, which other files need not wait for
 
@@ -80,7 +80,7 @@ def _binary_lists(path: Path, layout: Layout, facts: Facts) -> Values:
     _tell_rest(path, layout, at, facts)
 
 
-def _tell_rest(path: Path, layout: Layout, at: int, facts: Facts) -> None:
+def _tell_rest(path: Path, layout: PlyLayout, at: int, facts: Facts) -> None:
     """Compare what follows the vertices, from byte `at` on, with the elements that the header promises."""
     big = layout.encoding == "binary_big_endian"
     size = path.stat().st_size
@@ -125,7 +125,7 @@ def _sizes(element: Element) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return np.array(sizes, np.int64), np.array(lengths, np.int64)
 
 
-def _ascii(path: Path, layout: Layout, facts: Facts) -> Values:
+def _ascii(path: Path, layout: PlyLayout, facts: Facts) -> Values:
     count, skip = layout.vertex.count, sum(e.count for e in layout.before)
     rows = Rows(path, len(layout.dtype.names or ()), start=layout.start, skip=skip, limit=count)
     have = 0
@@ -137,13 +137,13 @@ def _ascii(path: Path, layout: Layout, facts: Facts) -> Values:
     _tell_lines(layout, rows.beyond, rows.ended, facts)
 
 
-def _tell_lines(layout: Layout, beyond: int, ended: bool, facts: Facts) -> None:
+def _tell_lines(layout: PlyLayout, beyond: int, ended: bool, facts: Facts) -> None:
     tell_lines(facts, beyond, sum(e.count for e in layout.after), "the vertices")
     if not ended:
         tell_unended(facts)
 
 
-def _ascii_lists(path: Path, layout: Layout, facts: Facts) -> Values:
+def _ascii_lists(path: Path, layout: PlyLayout, facts: Facts) -> Values:
     """Where rows differ in length, each is taken apart word by word."""
     vertex, have, ended = layout.vertex, 0, True
     rows: list[list[float]] = []

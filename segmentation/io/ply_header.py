@@ -62,7 +62,7 @@ class Element:
 
 
 @dataclass(frozen=True)
-class Layout:
+class PlyLayout:
     """Where the vertices lie in a file, and how.
 
     start: bytes of the header. before, after: other elements that have records, before the vertices and after them.
@@ -80,7 +80,7 @@ class Layout:
         return self.vertex.dtype
 
 
-def layout_of(path: Path, facts: Facts) -> Layout:
+def layout_of(path: Path, facts: Facts) -> PlyLayout:
     """What the header says of the vertices.
 
     Raises ReadError if it makes no sense, or promises more vertices, or more before them, than the file has room for.
@@ -102,7 +102,7 @@ def layout_of(path: Path, facts: Facts) -> Layout:
         raise ReadError(path, "has no vertices with x, y and z", WAY_OUT)
     tell_order(facts, elements[k].dtype.names or ())
     before, after = ([e for e in those if e.count and e.properties] for those in (elements[:k], elements[k + 1 :]))
-    layout = Layout(encoding, start, tuple(before), elements[k], tuple(after))
+    layout = PlyLayout(encoding, start, tuple(before), elements[k], tuple(after))
     room = path.stat().st_size - start + 1  # the last line of a text may lack its end
     room -= sum(e.count * e.shortest(encoding) for e in before)
     if layout.vertex.count * layout.vertex.shortest(encoding) > room:

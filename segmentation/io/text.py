@@ -31,7 +31,7 @@ COLUMNS = (
 
 
 @dataclass(frozen=True)
-class Layout:
+class TextLayout:
     """How a text is to be read. skip: lines before the first row.
 
     columns: how many. words: those that hold words. at: column of each thing that is there.
@@ -88,7 +88,7 @@ def _chunk(table: NDArray[np.float64], at: dict[str, int], done: float) -> Chunk
     )
 
 
-def _layout(path: Path, facts: Facts, said: str | None) -> Layout:
+def _layout(path: Path, facts: Facts, said: str | None) -> TextLayout:
     with opened(path) as file:
         head = file.read(HEAD)
     lines = head.splitlines()
@@ -121,7 +121,7 @@ def _layout(path: Path, facts: Facts, said: str | None) -> Layout:
         promised = whole_of(before[-1][0]) if before else None
     except ValueError as error:
         raise ReadError(path, f"before its first row {error} of points", WAY_OUT) from None
-    return Layout(dialect, first, width, words, at, promised)
+    return TextLayout(dialect, first, width, words, at, promised)
 
 
 def _is_number(word: bytes) -> bool:

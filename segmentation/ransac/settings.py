@@ -17,7 +17,7 @@ STRAIGHT = 1e4  # radii of bows: beyond, nothing curves, and distances are lost 
 
 
 @dataclass(frozen=True)
-class Range:
+class Limits:
     """Closed interval of a parameter with its unit ("m", "rad", "1") and meaning."""
 
     low: float
@@ -34,24 +34,24 @@ class Settings:
     """
 
     min_support: Annotated[
-        float, Range(0.0, math.inf, "1", "points a component needs; below 1 their share of the cloud")
+        float, Limits(0.0, math.inf, "1", "points a component needs; below 1 their share of the cloud")
     ] = 0.002
-    epsilon: Annotated[float | None, Range(1e-6, 10.0, "m", "largest distance of a point from its primitive")] = None
+    epsilon: Annotated[float | None, Limits(1e-6, 10.0, "m", "largest distance of a point from its primitive")] = None
     alpha: Annotated[
-        float, Range(0.01, math.pi / 2, "rad", "largest angle between the normals of a point and its primitive")
+        float, Limits(0.01, math.pi / 2, "rad", "largest angle between the normals of a point and its primitive")
     ] = math.radians(25.0)
     beta: Annotated[
-        float | None, Range(1e-4, 100.0, "m", "sampling resolution: points nearer than this are connected")
+        float | None, Limits(1e-4, 100.0, "m", "sampling resolution: points nearer than this are connected")
     ] = None
     overlooking_probability: Annotated[
-        float, Range(1e-9, 0.5, "1", "chance that a primitive of minimum support is missed")
+        float, Limits(1e-9, 0.5, "1", "chance that a primitive of minimum support is missed")
     ] = 0.01
-    sphere_r_min: Annotated[float, Range(0.0, math.inf, "m", "smallest radius of a sphere")] = 0.0
-    sphere_r_max: Annotated[float, Range(0.0, math.inf, "m", "largest radius of a sphere")] = math.inf
-    cylinder_r_min: Annotated[float, Range(0.0, math.inf, "m", "smallest radius of a cylinder")] = 0.0
-    cylinder_r_max: Annotated[float, Range(0.0, math.inf, "m", "largest radius of a cylinder")] = math.inf
+    sphere_r_min: Annotated[float, Limits(0.0, math.inf, "m", "smallest radius of a sphere")] = 0.0
+    sphere_r_max: Annotated[float, Limits(0.0, math.inf, "m", "largest radius of a sphere")] = math.inf
+    cylinder_r_min: Annotated[float, Limits(0.0, math.inf, "m", "smallest radius of a cylinder")] = 0.0
+    cylinder_r_max: Annotated[float, Limits(0.0, math.inf, "m", "largest radius of a cylinder")] = math.inf
     r_tolerance: Annotated[
-        float, Range(0.0, 1.0, "m", "by how much a radius may pass its limits, which are given rounded")
+        float, Limits(0.0, 1.0, "m", "by how much a radius may pass its limits, which are given rounded")
     ] = 0.005
     primitives: Annotated[tuple[str, ...], "kinds to look for"] = ("plane", "sphere", "cylinder")
 
@@ -130,10 +130,11 @@ class Search(Settings):
 CONE_ANGLES = (math.radians(2.0), math.radians(88.0))  # a narrower cone is a cylinder, a wider one a plane
 
 
-def _ranges() -> dict[str, Range]:
+def _ranges() -> dict[str, Limits]:
     hints = get_type_hints(Settings, include_extras=True)
     found = {
-        field.name: [arg for arg in get_args(hints[field.name]) if isinstance(arg, Range)] for field in fields(Settings)
+        field.name: [arg for arg in get_args(hints[field.name]) if isinstance(arg, Limits)]
+        for field in fields(Settings)
     }
     return {name: ranges[0] for name, ranges in found.items() if ranges}
 

@@ -244,7 +244,7 @@ def test_the_user_says_the_origin(tmp_path):
 
 def test_no_grid_is_larger_than_its_points_deserve():
     from vaultcad.errors import NoVaultError
-    from vaultcad.survey.bays import Ceiling
+    from vaultcad.survey.bays import CeilingGrid
 
     class Cloud:
         xyz = np.concatenate([shell(), shell() + [9000, 8000, 0]])
@@ -253,7 +253,7 @@ def test_no_grid_is_larger_than_its_points_deserve():
             return len(self.xyz)
 
     with pytest.raises(NoVaultError, match=r"scattered over .* crop the scan"):
-        Ceiling.of(thin_scan(Cloud()))
+        CeilingGrid.of(thin_scan(Cloud()))
 
 
 @pytest.mark.parametrize("place", [1e12, 1e15, -1e16, 1e150])

@@ -12,7 +12,7 @@ from segmentation import compare
 from segmentation.cloud import Cloud
 from vaultcad.pipeline import Result, fit_scan
 from vaultcad.scanner import Bay, ScannerSettings, SceneScan, row, scan_bays
-from vaultcad.survey.bays import Ceiling
+from vaultcad.survey.bays import CeilingGrid
 from vaultcad.survey.thinned_scan import thin_scan
 
 ROOMS = ScannerSettings(points=80_000, openings=1, furniture=1)
@@ -83,11 +83,11 @@ def test_a_bay_seen_through_arches_is_found_between_far_walls() -> None:
 
 def test_the_ceiling_falls_apart_at_walls_and_valleys() -> None:
     scene = scanned(SCENES["three rooms"])
-    ceiling = Ceiling.of(thin_scan(Cloud(scene.xyz.astype(np.float32))))
+    ceiling = CeilingGrid.of(thin_scan(Cloud(scene.xyz.astype(np.float32))))
     parts = ceiling.parts(ceiling.room)
     assert len(parts) == 3
     nave = scanned(SCENES["a nave of three bays"])
-    ceiling = Ceiling.of(thin_scan(Cloud(nave.xyz.astype(np.float32))))
+    ceiling = CeilingGrid.of(thin_scan(Cloud(nave.xyz.astype(np.float32))))
     assert [part.high[0] - part.low[0] for part in ceiling.parts(ceiling.room)] == pytest.approx([4.95] * 3, abs=0.5)
 
 
@@ -95,7 +95,7 @@ def test_the_ceiling_falls_apart_at_walls_and_valleys() -> None:
 def test_the_heads_of_doors_are_no_ceiling(seed: int) -> None:
     rooms = row([Groin(4, 4), Groin(4, 4)], ScannerSettings(points=60_000))
     scene = scan_bays(rooms, rng=np.random.default_rng(seed))
-    ceiling = Ceiling.of(thin_scan(Cloud(scene.xyz.astype(np.float32))))
+    ceiling = CeilingGrid.of(thin_scan(Cloud(scene.xyz.astype(np.float32))))
     parts = ceiling.parts(ceiling.room)
     assert len(parts) == 2
     for part in parts:

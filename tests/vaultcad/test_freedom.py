@@ -25,7 +25,7 @@ from vaultcad.errors import NoVaultError
 from vaultcad.fit.demands import constraints_of, demand, sizes_of
 from vaultcad.fit.freedom import DECIDES, SPRINGING, Demands
 from vaultcad.model import FittedVault, Pose
-from vaultcad.pipeline import Settings, fit_scan
+from vaultcad.pipeline import FitSettings, fit_scan
 
 EACH = pytest.mark.parametrize("cls", FAMILIES, ids=lambda c: c.id)
 CONSTRAINED = [(cls, c) for cls in FAMILIES for c in cls.constraints]
@@ -38,7 +38,7 @@ def cloud(vault: Vault, origin: tuple[float, ...] = (0.0, 0.0, 0.0)) -> Cloud:
 
 
 def fitted(vault: Vault, origin: tuple[float, ...] = (0.0, 0.0, 0.0), **settings: object) -> FittedVault:
-    chosen = Settings(families=(type(vault),), **settings)  # type: ignore[arg-type]
+    chosen = FitSettings(families=(type(vault),), **settings)  # type: ignore[arg-type]
     return fit_scan(cloud(vault, origin=origin), chosen).model.vaults[0]
 
 

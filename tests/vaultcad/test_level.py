@@ -6,7 +6,7 @@ import pytest
 from families import Barrel, Groin, Segmental, Vault
 from segmentation.cloud import Cloud
 from vaultcad.model import Pose, tilted
-from vaultcad.pipeline import Settings, fit_scan
+from vaultcad.pipeline import FitSettings, fit_scan
 from vaultcad.survey.lean import Lean, lean_of
 from vaultcad.survey.thinned_scan import Thin, thin_scan
 
@@ -72,7 +72,7 @@ def test_where_only_a_floor_tells_it_is_said() -> None:
 @pytest.mark.parametrize("vault", VAULTS, ids=lambda v: v.id)
 def test_a_leaning_scan_gives_the_same_vault(vault: Vault) -> None:
     vector = (np.radians(1.2), np.radians(-1.6))
-    settings = Settings(families=(type(vault),))
+    settings = FitSettings(families=(type(vault),))
     leaning = room(vault) @ tilted(vector).T
     result = fit_scan(Cloud(leaning.astype(np.float32)), settings)
     (fitted,) = result.model.vaults

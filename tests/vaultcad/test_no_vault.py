@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from families import FAMILIES, Barrel, Dome, Groin, Sail, Segmental, Trough, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
-from vaultcad.pipeline import Settings, fit_scan
+from vaultcad.pipeline import FitSettings, fit_scan
 from vaultcad.scanner import ScannerSettings, scan
 from vaultcad.scanner.barren import SCENES, draw_barren
 
@@ -62,7 +62,7 @@ def test_what_is_no_vault_is_refused(scene: Callable[[np.random.Generator], Poin
     xyz = scene(rng)
     xyz += 0.002 * rng.standard_normal(xyz.shape)
     with pytest.raises(NoVaultError, match="no vault found"):
-        fit_scan(Cloud(xyz.astype(np.float32)), Settings(families=(family,)))
+        fit_scan(Cloud(xyz.astype(np.float32)), FitSettings(families=(family,)))
 
 
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_a_surface_that_is_too_rough_is_named() -> None:
     rough = rough + 0.06 * rng.standard_normal((len(rough), 1)) * [0, 0, 1]
     cloud = Cloud(np.concatenate([rough, walls.reshape(-1, 3)]).astype(np.float32))
     with pytest.raises(NoVaultError, match="too rough for a vault"):
-        fit_scan(cloud, Settings(families=(Barrel,)))
+        fit_scan(cloud, FitSettings(families=(Barrel,)))
 
 
 def hemisphere(rng: np.random.Generator, *, oculus: float = 0.0, walls: float = 0.0) -> Points:
@@ -123,7 +123,7 @@ def hemisphere(rng: np.random.Generator, *, oculus: float = 0.0, walls: float = 
 def test_a_dome_over_a_round_plan_gets_no_corners(family: type[Vault], shape: dict[str, float]) -> None:
     xyz = hemisphere(np.random.default_rng(1), **shape)
     with pytest.raises(NoVaultError, match=r"(3\.00|3\.01|2\.99) m radius.*no family yet"):
-        fit_scan(Cloud(xyz.astype(np.float32)), Settings(families=(family,)))
+        fit_scan(Cloud(xyz.astype(np.float32)), FitSettings(families=(family,)))
 
 
 def test_reveals_that_go_far_up_do_not_hide_a_vault() -> None:
@@ -132,6 +132,6 @@ def test_reveals_that_go_far_up_do_not_hide_a_vault() -> None:
     xyz = scan(vault, ScannerSettings(points=60_000, settlement=0.01), rng=rng).xyz
     shaft = rng.uniform(0, 1, (5000, 3)) * [0.33, 1.6, 6.0] + [1.95, -1.0, 6.0]
     shaft[::2, 0] = 1.95 + 0.33 * (np.arange(2500) % 2)
-    result = fit_scan(Cloud(np.concatenate([xyz, shaft]).astype(np.float32)), Settings(families=(Groin,)))
+    result = fit_scan(Cloud(np.concatenate([xyz, shaft]).astype(np.float32)), FitSettings(families=(Groin,)))
     (fitted,) = result.model.vaults
     assert fitted.parameters["rise"].value == pytest.approx(1.5, abs=0.08)

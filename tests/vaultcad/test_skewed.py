@@ -12,7 +12,7 @@ from families import Barrel, Groin, Segmental, Vault
 from families.declaration.corners import Skew
 from families.solid.mesh import mesh_solid
 from segmentation.cloud import Cloud
-from vaultcad.pipeline import Result, Settings, fit_scan
+from vaultcad.pipeline import FitSettings, Result, fit_scan
 from vaultcad.scanner import ScannerSettings, scan
 
 SKEW = Skew(0.05, 0.06, -0.04)
@@ -22,7 +22,7 @@ ROOM = ScannerSettings(points=60_000, settlement=0.01, furniture=1, openings=1)
 def fitted(vault: Vault, *free: str) -> Result:
     """The scan of a room, bent with its walls and all; floor under the middle at the origin."""
     xyz = scan(vault, ROOM, rng=np.random.default_rng(3)).xyz
-    return fit_scan(Cloud(SKEW.bent(xyz, vault.plan.half).astype(np.float32)), Settings((type(vault),), free=free))
+    return fit_scan(Cloud(SKEW.bent(xyz, vault.plan.half).astype(np.float32)), FitSettings((type(vault),), free=free))
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from segmentation.cloud import Cloud
 from vaultcad.fit.freedom import Freedom
 from vaultcad.fit.solve import Placed, Solution
 from vaultcad.fit.uncertainty import open_ends
-from vaultcad.pipeline import Result, Settings, fit_scan
+from vaultcad.pipeline import FitSettings, Result, fit_scan
 from vaultcad.scanner import ScannerSettings, scan
 from vaultcad.survey.thinned_scan import thin_scan
 
@@ -32,7 +32,7 @@ def scanned(name: str) -> np.ndarray:
 def fitted(name: str, points: int) -> Result:
     xyz = scanned(name)
     chosen = np.random.default_rng(points).permutation(len(xyz))[:points]
-    return fit_scan(Cloud(xyz[chosen].astype(np.float32)), Settings(families=(type(VAULTS[name]),)))
+    return fit_scan(Cloud(xyz[chosen].astype(np.float32)), FitSettings(families=(type(VAULTS[name]),)))
 
 
 @pytest.mark.parametrize("points", [4000, 8000])

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from vaultcad.cli.errors import refusing
-from vaultcad.cli.options import shown, single, span
+from vaultcad.cli.options import single, span, with_unit
 from vaultcad.cli.tables import show_table
 
 LANGUAGES = {"it": "Italian", "fr": "French", "de": "German", "es": "Spanish"}
@@ -50,11 +50,13 @@ def _show_family(cls: Any) -> None:
     for name, kind in vault.kinds.items():
         typer.echo(f"  {name}: {kind}, or another of the profiles")
     values = vault.values()
-    rows = [(p.name, shown(values[p.name], p.range.unit), span(p.range), p.range.meaning) for p in vault.parameters()]
+    rows = [
+        (p.name, with_unit(values[p.name], p.range.unit), span(p.range), p.range.meaning) for p in vault.parameters()
+    ]
     show_table(("parameter", "default", "range", "meaning"), rows, numbers=[1])
     sizes = vault.derived_values()
     declared = derived_declarations(cls)
-    rows = [(name, shown(sizes[name], d.unit), "", d.meaning) for name, d in declared.items()]
+    rows = [(name, with_unit(sizes[name], d.unit), "", d.meaning) for name, d in declared.items()]
     show_table(("size that follows", "at defaults", "", "meaning"), rows, numbers=[1])
     held = [(c.name, c.meaning) for c in constraints_of(cls)]
     show_table(("constraint", "what a fit takes for true, unless the scan or --free says otherwise"), held)

@@ -91,9 +91,9 @@ def fit(
         )
 
         from vaultcad.export.bundle import write_all
-        from vaultcad.pipeline import Settings, fit_scan
+        from vaultcad.pipeline import FitSettings, fit_scan
 
-        settings = Settings(families, seed, thickness, fixed, freed)
+        settings = FitSettings(families, seed, thickness, fixed, freed)
         try:
             if up == "auto":
                 import numpy as np

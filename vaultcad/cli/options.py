@@ -83,7 +83,7 @@ def number(
     name: str, limits: Limits, default: float | str, *, integer: bool = False, panel: str | None = None
 ) -> Option:
     """The option of one declared number; angles are given in degrees. A default may be a text for the help."""
-    ending = default if isinstance(default, str) else f"default {shown(default, limits.unit)}"
+    ending = default if isinstance(default, str) else f"default {with_unit(default, limits.unit)}"
     text = f"{limits.meaning}; {span(limits)}, {ending}"
     metavar = "N" if integer else METAVAR[limits.unit]
     return Option(name, float, text, metavar, panel, lambda text: read(text, name, limits, integer=integer))
@@ -120,11 +120,11 @@ def read(text: str, name: str, limits: Limits, *, integer: bool = False) -> floa
 def span(limits: Limits) -> str:
     """The range in words: "0.5 to 40 m", "0 m or more"."""
     if limits.high == inf:
-        return f"{shown(limits.low, limits.unit)} or more"
-    return f"{limits.low * SHOWN[limits.unit][1]:.6g} to {shown(limits.high, limits.unit)}"
+        return f"{with_unit(limits.low, limits.unit)} or more"
+    return f"{limits.low * SHOWN[limits.unit][1]:.6g} to {with_unit(limits.high, limits.unit)}"
 
 
-def shown(value: float, unit: str) -> str:
+def with_unit(value: float, unit: str) -> str:
     """A value in the unit that people read: "0.5 m", "25°"."""
     name, factor = SHOWN[unit]
     return f"{value * factor:.6g}{' ' if name.isalpha() else ''}{name}"

@@ -16,7 +16,7 @@ MOST_POINTS = 4000
 
 
 @dataclass(frozen=True)
-class Plane:
+class CutPlane:
     """A vertical section through the middle: across which axis (0 or 1), its letter, and to which side it looks."""
 
     axis: int
@@ -29,7 +29,7 @@ class Plane:
         return 1 - self.axis
 
 
-PLANES = (Plane(1, "A", +1), Plane(0, "B", -1))
+PLANES = (CutPlane(1, "A", +1), CutPlane(0, "B", -1))
 
 
 def plan(fitted: FittedVault, thickness: float) -> Drawing:
@@ -53,7 +53,7 @@ def plan(fitted: FittedVault, thickness: float) -> Drawing:
     return drawing
 
 
-def section(fitted: FittedVault, thickness: float, plane: Plane, points: Floats) -> Drawing:
+def section(fitted: FittedVault, thickness: float, plane: CutPlane, points: Floats) -> Drawing:
     """The stone cut through the middle, edges beyond the cut, and the points (n, 3) [m] near it, in the local frame."""
     vault, pieces = fitted.vault, bodies(fitted.vault, thickness)
     edges, half = _beyond(fitted, thickness, plane), (vault.plan.half_x, vault.plan.half_y)[plane.across]
@@ -109,7 +109,7 @@ def _crossing(row: Floats) -> float:
     return float(np.min(z[at] + share * (z[after[at]] - z[at]), initial=np.inf))
 
 
-def _beyond(fitted: FittedVault, thickness: float, plane: Plane) -> list[Floats]:
+def _beyond(fitted: FittedVault, thickness: float, plane: CutPlane) -> list[Floats]:
     """Borders of the components on the side that a section looks to, as rows (n, 2)."""
     mesh, rows = shell(fitted.vault, thickness), []
     for k in range(1, len(fitted.vault.components) + 1):
@@ -121,7 +121,7 @@ def _beyond(fitted: FittedVault, thickness: float, plane: Plane) -> list[Floats]
     return rows
 
 
-def _near(fitted: FittedVault, plane: Plane, points: Floats) -> Floats:
+def _near(fitted: FittedVault, plane: CutPlane, points: Floats) -> Floats:
     """The points (n, 2) within a slice about the section, thinned."""
     frame = fitted.pose.frame()
     local = points @ frame[:, :3].T + frame[:, 3]

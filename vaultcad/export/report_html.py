@@ -15,7 +15,7 @@ from families import family
 from vaultcad.export.charts import histogram
 from vaultcad.export.drawing import PLANES, plan, section
 from vaultcad.export.palette import colour
-from vaultcad.export.report_json import plain, shown
+from vaultcad.export.report_json import in_shown_unit, plain
 from vaultcad.export.report_text import FILES, GLOSSARY, STYLE
 from vaultcad.model import FLAGS, Component, Deviation, Estimate, FittedVault, Model
 
@@ -179,7 +179,7 @@ def _legend(estimates: Iterable[Estimate]) -> str:
 
 def _estimates(kind: str, estimates: Mapping[str, Estimate]) -> str:
     cells = []
-    for name, e in ((name, shown(estimate)) for name, estimate in estimates.items()):
+    for name, e in ((name, in_shown_unit(estimate)) for name, estimate in estimates.items()):
         meaning = escape("; ".join([e.meaning, *(FLAGS[flag][1] for flag in e.flags)]))
         seen = "–" if e.seen is None else _percent(e.seen)
         cells.append([f"<b>{escape(name.replace('_', ' '))}</b>", _value(e), f"{_std(e)} {e.marks}", seen, meaning])

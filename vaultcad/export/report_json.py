@@ -52,7 +52,7 @@ def write_report_json(model: Model, path: Path, *, correlations: bool = False) -
     path.write_text(json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
 
 
-def shown(estimate: Estimate) -> Estimate:
+def in_shown_unit(estimate: Estimate) -> Estimate:
     """The estimate in the unit that people read: degrees for radians."""
     if estimate.unit not in SHOWN_AS:
         return estimate
@@ -125,7 +125,7 @@ def _corners(fitted: FittedVault, origin: NDArray[np.float64]) -> list[list[floa
 
 
 def _estimate(estimate: Estimate) -> dict[str, Any]:
-    e = shown(estimate)
+    e = in_shown_unit(estimate)
     row: dict[str, Any] = {"value": _number(e.value), "unit": e.unit, "std": _number(e.std)}
     row |= {} if e.seen is None else {"seen": _number(e.seen)}
     row |= {"flags": list(e.flags)} if e.flags else {}

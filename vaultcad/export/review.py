@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from families import family
 from vaultcad.export.drawing import PLANES
 from vaultcad.export.palette import colour
-from vaultcad.export.report_json import shown
+from vaultcad.export.report_json import in_shown_unit
 from vaultcad.export.review_panels import INK, SOFT, Seen, bar, deviations, dots, plan, section
 from vaultcad.model import Estimate, FittedVault, Model
 
@@ -80,9 +80,9 @@ def draw_review(
     heights = [OVERVIEW * several, *(_height(seen) for seen in found)]
     figure = Figure(figsize=(WIDE, sum(heights)), facecolor="white")
     if several:
-        _overview(Sheet(figure, 0.0, OVERVIEW), model.scan.name, found)
+        _overview(ReviewSheet(figure, 0.0, OVERVIEW), model.scan.name, found)
     for k, seen in enumerate(found, 1):
-        sheet = Sheet(figure, sum(heights[:k]), heights[k])
+        sheet = ReviewSheet(figure, sum(heights[:k]), heights[k])
         _title(sheet, seen.fitted, f"{k}  " if several else "", model.scan.name)
         _drawings(sheet, seen)
         _figures(sheet, seen)
@@ -90,7 +90,7 @@ def draw_review(
 
 
 @dataclass(frozen=True)
-class Sheet:
+class ReviewSheet:
     """A strip of the figure as wide as it is; places in it count from its upper left corner [inch]."""
 
     figure: Figure
@@ -119,7 +119,7 @@ def _height(seen: Seen) -> float:
     return HEAD + max(sum(_heights(seen)) + 2 * GAP, LINE * (len(_rows(seen.fitted)) + 2))
 
 
-def _drawings(sheet: Sheet, seen: Seen) -> None:
+def _drawings(sheet: ReviewSheet, seen: Seen) -> None:
     upper, lower = _heights(seen)
     right, below = MARGIN + PANEL + GAP, HEAD + upper + GAP
     plan(sheet.axes(MARGIN, HEAD, PANEL, upper), seen)
@@ -129,7 +129,7 @@ def _drawings(sheet: Sheet, seen: Seen) -> None:
         section(sheet.axes(left, below, PANEL, lower), seen, plane)
 
 
-def _title(sheet: Sheet, fitted: FittedVault, number: str, scan: str) -> None:
+def _title(sheet: ReviewSheet, fitted: FittedVault, number: str, scan: str) -> None:
     sheet.text(MARGIN, 0.5, f"{number}{fitted.vault.title.capitalize()}", size=20, weight="bold")
     others = [f"{family(name).title} {score:.0%}" for name, score in fitted.alternatives[:3] if score >= UNLIKELY]
     arches = ", ".join(f"{name.replace('_', ' ')} {kind}" for name, kind in fitted.arches.items())
@@ -140,7 +140,7 @@ def _title(sheet: Sheet, fitted: FittedVault, number: str, scan: str) -> None:
         sheet.text(MARGIN, 1.02, text, color=WARNING, weight="bold")
 
 
-def _figures(sheet: Sheet, seen: Seen) -> None:
+def _figures(sheet: ReviewSheet, seen: Seen) -> None:
     """Sizes with their standard deviations, what the points say, and the components."""
     left = WIDE - FIGURES
     for k, (name, value, more, mark) in enumerate(_rows(seen.fitted)):
@@ -170,13 +170,13 @@ def _rows(fitted: FittedVault) -> list[tuple[str, str, str, str]]:
 
 def _estimate(estimate: Estimate) -> tuple[str, str]:
     """A length or an angle, and how sure it is."""
-    e = shown(estimate)
+    e = in_shown_unit(estimate)
     length = e.unit == "m"
     std = (f"± {1000 * e.std:.1f} mm" if length else f"± {e.std:.2f}°") if e.std else ""
     return f"{e.value:.3f} m" if length else f"{e.value:.2f}°", " ".join([std, *e.flags]).strip()
 
 
-def _overview(sheet: Sheet, scan: str, found: list[Seen]) -> None:
+def _overview(sheet: ReviewSheet, scan: str, found: list[Seen]) -> None:
     """The plans of all vaults where they stand in the scan, in its local frame."""
     sheet.text(MARGIN, 0.5, f"{len(found)} vaults", size=20, weight="bold")
     sheet.text(MARGIN, 0.78, scan)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
-from vaultcad.export.drawing import OFF_CENTRE, PLANES, Plane, cut
+from vaultcad.export.drawing import OFF_CENTRE, PLANES, CutPlane, cut
 from vaultcad.export.geometry import bodies, loops, shell
 from vaultcad.export.palette import colour
 from vaultcad.model import FittedVault
@@ -149,7 +149,7 @@ def deviations(axes: Axes, scale: Axes, seen: Seen) -> None:
     _framed(axes, seen, -seen.half, seen.half)
 
 
-def section(axes: Axes, seen: Seen, plane: Plane) -> None:
+def section(axes: Axes, seen: Seen, plane: CutPlane) -> None:
     """The stone cut at the crown and, behind it, nearer to the wall that the section looks to; the points near both.
 
     Those at the crown come a second time in colour, with their deviations drawn larger.

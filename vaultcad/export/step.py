@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from families.declaration.units import MM
 from segmentation.io.stamp import stamp
 from segmentation.temporary import announce
 from vaultcad.errors import ExportError
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
     from OCP.XCAFDoc import XCAFDoc_ShapeTool
 
-MM = 1000.0
 SETTINGS = {"write.step.schema": "AP214IS", "write.step.unit": "MM"}
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from vaultcad.export.step import MM
+from families.declaration.units import MM
 from vaultcad.model import Model
 
 APART = 1000.0  # m between the two points

@@ -71,7 +71,7 @@ def weigh(refined: Refined, demands: Demands, rng: np.random.Generator) -> tuple
     moved = Field.of(refined, rng)
     if moved is None:
         return ()
-    search = _Search(moved, demands)
+    search = _ChoiceSearch(moved, demands)
     search.around(refined.placed, refined.kept)
     fitted = sorted(search.fitted.values(), key=lambda one: -one.score)
     if not fitted:
@@ -114,7 +114,7 @@ def _first(fitted: Sequence[_Fitted], kept: set[str]) -> _Fitted:
 
 
 @dataclass(frozen=True)
-class _Search:
+class _ChoiceSearch:
     """The choices that were fitted so far, by kinds and the names of the constraints that are kept."""
 
     moved: Field

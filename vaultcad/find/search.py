@@ -19,7 +19,7 @@ from vaultcad.fit.freedom import NONE, Demands
 from vaultcad.fit.label import label
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.bay_arches import bay_of, without_arches
-from vaultcad.survey.bays import LEAST, Ceiling, Region
+from vaultcad.survey.bays import LEAST, CeilingGrid, Region
 from vaultcad.survey.thinned_scan import Site, Thin, find_site
 
 Array = NDArray[np.float64]
@@ -66,7 +66,7 @@ def find_vaults(
     Raises:
         NoVaultError: there is none.
     """
-    search = _Search(thin, xyz, Ceiling.of(thin), tuple(families), rng, demands)
+    search = _Search(thin, xyz, CeilingGrid.of(thin), tuple(families), rng, demands)
     found = search.region(search.ceiling.room)
     if not found:
         raise search.refusals[0]
@@ -91,7 +91,7 @@ class _Search:
 
     thin: Thin
     xyz: NDArray[np.floating]
-    ceiling: Ceiling
+    ceiling: CeilingGrid
     families: tuple[type[Vault], ...]
     rng: np.random.Generator
     demands: Demands = NONE
@@ -185,7 +185,7 @@ def _under_its_ceiling(site: Site, thin: Thin) -> Site:
 
     Reveals of windows and shafts go far up, but over a small part of the plan.
     """
-    top = Ceiling.of(thin).height
+    top = CeilingGrid.of(thin).height
     if not np.isfinite(top).any():
         return site
     crown = min(float(np.nanquantile(top, CROWN)), site.crown)

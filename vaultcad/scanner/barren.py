@@ -23,7 +23,7 @@ STONE, PAINT, EARTH, LEAVES = 0.4, 0.7, 0.3, 0.35  # reflectance
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class BarrenScene:
     """What stands there, z up [m], and where the scanner stands (k, 3) [m]."""
 
     mesh: Triangles
@@ -86,11 +86,11 @@ def _inside(a: float, b: float, rng: Random, height: float = 1.5) -> Array:
     return np.column_stack([places, np.full(len(places), height)])
 
 
-def _office(rng: Random) -> Scene:
+def _office(rng: Random) -> BarrenScene:
     a, b, height = rng.uniform([4, 5, 2.5], [9, 14, 4])
     parts = [*_room(a, b, height), *_furniture(a, b, rng)]
     parts += CEILINGS[str(rng.choice(list(CEILINGS)))](a, b, height, rng)
-    return Scene(join(parts), _inside(a, b, rng))
+    return BarrenScene(join(parts), _inside(a, b, rng))
 
 
 def _beams(a: float, b: float, height: float, rng: Random) -> Iterator[Triangles]:
@@ -141,7 +141,7 @@ CEILINGS: dict[str, Callable[[float, float, float, Random], Iterator[Triangles]]
 }
 
 
-def _corridor(rng: Random) -> Scene:
+def _corridor(rng: Random) -> BarrenScene:
     a, b, height = rng.uniform([1.4, 8, 2.3], [3, 25, 3.5])
     parts = _room(a, b, height)
     for y in np.arange(-b / 2 + 1, b / 2 - 1, rng.uniform(2, 5)):
@@ -149,10 +149,10 @@ def _corridor(rng: Random) -> Scene:
     if rng.random() < 0.5:
         parts += _ducts(a, b, height, rng)
     stations = np.column_stack([np.zeros(3), np.linspace(-0.35, 0.35, 3) * b, np.full(3, 1.5)])
-    return Scene(join(parts), stations)
+    return BarrenScene(join(parts), stations)
 
 
-def _sloped(rng: Random) -> Scene:
+def _sloped(rng: Random) -> BarrenScene:
     """A room under one pitch, or under a gable or hipped roof with its rafters."""
     a, b, eaves = rng.uniform([4, 5, 0.6], [9, 12, 3])
     ridge = eaves + a / 2 * np.tan(rng.uniform(0.2, 0.9))
@@ -169,7 +169,7 @@ def _sloped(rng: Random) -> Scene:
         plain(corners, faces, STONE),
     ]
     parts += _furniture(a, b, rng)
-    return Scene(join(parts), _inside(a, b, rng, min(1.5, 0.7 * ridge)))
+    return BarrenScene(join(parts), _inside(a, b, rng, min(1.5, 0.7 * ridge)))
 
 
 def _grid(rows: int, columns: int) -> NDArray[np.int64]:
@@ -185,7 +185,7 @@ def _rough(xyz: Array, away: Array, size: float, rng: Random) -> Array:
     return xyz + np.asarray(moved)[:, None] / 1.5 * away
 
 
-def _tunnel(rng: Random) -> Scene:
+def _tunnel(rng: Random) -> BarrenScene:
     """A gallery hewn along a bend, its section a horseshoe."""
     radius, length, size = rng.uniform([1.2, 15, 0.08], [3.5, 35, 0.25])
     bend = rng.uniform(-1, 1) / 15
@@ -200,7 +200,7 @@ def _tunnel(rng: Random) -> Scene:
     mesh = plain(_rough(xyz.reshape(-1, 3), out.reshape(-1, 3), size, rng), _grid(len(s), len(t)), STONE)
     floor = rectangle([-length, -length, 0.3], [2 * length, 0, 0], [0, 2 * length, 0], EARTH)
     places = path[[40, 80, 120]]
-    return Scene(join([mesh, floor]), np.column_stack([places, np.full(3, min(1.5, radius))]))
+    return BarrenScene(join([mesh, floor]), np.column_stack([places, np.full(3, min(1.5, radius))]))
 
 
 def _ball(scale: Array, centre: Array, size: float, rng: Random, bright: float = STONE) -> Triangles:
@@ -212,11 +212,11 @@ def _ball(scale: Array, centre: Array, size: float, rng: Random, bright: float =
     return plain(_rough(xyz, away.reshape(-1, 3), size, rng) + centre, _grid(45, 90), bright)
 
 
-def _cave(rng: Random) -> Scene:
+def _cave(rng: Random) -> BarrenScene:
     scale = rng.uniform([3, 3, 1.8], [8, 8, 4])
     parts = [_ball(scale, np.array([0, 0, 0.3 * scale[2]]), rng.uniform(0.2, 0.6), rng)]
     parts.append(rectangle([-10, -10, 0], [20, 0, 0], [0, 20, 0], EARTH))
-    return Scene(join(parts), _inside(float(scale[0]), float(scale[1]), rng, 1.3))
+    return BarrenScene(join(parts), _inside(float(scale[0]), float(scale[1]), rng, 1.3))
 
 
 def _ground(rng: Random, tilt: float, size: float) -> Triangles:
@@ -232,30 +232,30 @@ def _outdoors(rng: Random, tilt: float) -> Array:
     return np.column_stack([places, places[:, 0] * np.tan(tilt) + 2.0])
 
 
-def _slope(rng: Random) -> Scene:
+def _slope(rng: Random) -> BarrenScene:
     tilt = rng.uniform(0.1, 0.6)
-    return Scene(_ground(rng, tilt, rng.uniform(0, 0.15)), _outdoors(rng, tilt))
+    return BarrenScene(_ground(rng, tilt, rng.uniform(0, 0.15)), _outdoors(rng, tilt))
 
 
-def _rock(rng: Random) -> Scene:
+def _rock(rng: Random) -> BarrenScene:
     scale = rng.uniform([1.5, 1.5, 1], [5, 5, 3])
     parts = [_ground(rng, 0.0, 0.05), _ball(scale, np.array([0, 0, 0.2]), rng.uniform(0.1, 0.3), rng)]
     angle = rng.uniform(0, 2 * pi) + np.arange(3) * 2 * pi / 3
     far = scale.max() + 3
-    return Scene(join(parts), np.column_stack([far * np.cos(angle), far * np.sin(angle), np.full(3, 1.8)]))
+    return BarrenScene(join(parts), np.column_stack([far * np.cos(angle), far * np.sin(angle), np.full(3, 1.8)]))
 
 
-def _trees(rng: Random) -> Scene:
+def _trees(rng: Random) -> BarrenScene:
     tilt = rng.uniform(0, 0.2)
     parts = [_ground(rng, tilt, 0.1)]
     for x, y in rng.uniform(-14, 14, (int(rng.integers(4, 14)), 2)):
         z, trunk, crown = x * np.tan(tilt), rng.uniform(1.5, 5), rng.uniform(0.8, 3)
         parts.append(tube([x, y, z], [x, y, z + trunk + crown], (0.25, 0.12), EARTH))
         parts.append(_ball(crown * rng.uniform(0.7, 1.2, 3), np.array([x, y, z + trunk + crown]), 0.2, rng, LEAVES))
-    return Scene(join(parts), _outdoors(rng, tilt))
+    return BarrenScene(join(parts), _outdoors(rng, tilt))
 
 
-def _facade(rng: Random) -> Scene:
+def _facade(rng: Random) -> BarrenScene:
     """A house front with its windows, a cornice, and the street."""
     width, height = rng.uniform([10, 6], [25, 16])
     parts = [
@@ -270,10 +270,10 @@ def _facade(rng: Random) -> Scene:
         z = rng.uniform(3, 4)
         parts.append(box([-width / 2, -rng.uniform(1, 3), z], [width / 2, 0, z + 0.3], STONE))
     places = np.column_stack([np.array([-0.25, 0.25]) * width, rng.uniform(-12, -6, 2), np.full(2, 1.6)])
-    return Scene(join(parts), places)
+    return BarrenScene(join(parts), places)
 
 
-SCENES: dict[str, Callable[[Random], Scene]] = {
+SCENES: dict[str, Callable[[Random], BarrenScene]] = {
     "office": _office,
     "corridor": _corridor,
     "roof": _sloped,

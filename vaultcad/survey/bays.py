@@ -39,7 +39,7 @@ class Region:
 
 
 @dataclass(frozen=True)
-class Ceiling:
+class CeilingGrid:
     """Height of what hangs over each cell of the turned plan.
 
     height: (nx, ny) [m], NaN where nothing does. highest: (nx, ny, 3) the point there [m]. low: (2,) corner of the
@@ -53,7 +53,7 @@ class Ceiling:
     yaw: float
 
     @classmethod
-    def of(cls, thin: Thin) -> Ceiling:
+    def of(cls, thin: Thin) -> CeilingGrid:
         """The highest points of each cell, where they are no wall; of a scan's points above the floor.
 
         Raises:

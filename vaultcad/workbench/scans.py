@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
+from families.declaration.units import MM
 from vaultcad.workbench.measured import told
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from segmentation.voxel import Thinned
     from vaultcad.workbench.protocol import Request
 
-MM = 1000.0
 FINEST = 0.01  # m, cells of the points that are shown
 SHOWN = 100_000  # points at the most
 WALL, DEEP = 0.5, 20.0  # m around and under a vault that belong to its bay
@@ -50,11 +50,11 @@ def fit(request: Request) -> dict[str, Any]:
     """
     from families import FAMILIES
     from families import family as named
-    from vaultcad.pipeline import STAGES, Settings, fit_scan
+    from vaultcad.pipeline import STAGES, FitSettings, fit_scan
 
     name = request.text("family", "auto")
     families = FAMILIES if name == "auto" else (named(name),)
-    settings = Settings(families, seed=int(request.number("seed", 0)), thickness=request.number("thickness", 0.15))
+    settings = FitSettings(families, seed=int(request.number("seed", 0)), thickness=request.number("thickness", 0.15))
     stages = ("reading", *STAGES)
 
     def progress(stage: str) -> None:

@@ -8,7 +8,7 @@ from families import FAMILIES, PROFILES
 from segmentation import read
 from segmentation.io.labels import read_labels
 from vaultcad import doctor
-from vaultcad.cli.options import shown, span
+from vaultcad.cli.options import span, with_unit
 from vaultcad.doctor import Finding
 
 
@@ -27,7 +27,7 @@ def test_a_family_is_told_with_names_components_parameters_and_ranges(run, cls):
     values = vault.values()
     for p in vault.parameters():
         row = next(line.split("  ") for line in told.splitlines() if line.split()[:1] == [p.name])
-        assert {shown(values[p.name], p.range.unit), span(p.range)} <= {cell.strip() for cell in row}
+        assert {with_unit(values[p.name], p.range.unit), span(p.range)} <= {cell.strip() for cell in row}
 
 
 def test_an_unknown_family_is_refused(run):

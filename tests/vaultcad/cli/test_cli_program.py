@@ -9,7 +9,7 @@ import pytest
 from families import FAMILIES
 from vaultcad.cli import app
 from vaultcad.cli.family import vault_options
-from vaultcad.cli.options import flag, shown, span
+from vaultcad.cli.options import flag, span, with_unit
 from vaultcad.scanner import ScannerSettings
 
 HEAVY = (
@@ -62,7 +62,9 @@ def test_help_of_a_family_shows_each_parameter_with_range_unit_and_default(run, 
     for p in cls().parameters():
         assert f" {flag(p.name)} " in told
         if len(p.path) == 1:
-            assert f"{p.range.meaning}; {span(p.range)}, default {shown(cls().values()[p.name], p.range.unit)}" in told
+            assert (
+                f"{p.range.meaning}; {span(p.range)}, default {with_unit(cls().values()[p.name], p.range.unit)}" in told
+            )
 
 
 @pytest.mark.parametrize("cls", FAMILIES, ids=lambda c: c.id)

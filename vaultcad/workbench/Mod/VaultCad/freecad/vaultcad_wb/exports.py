@@ -6,8 +6,8 @@ from typing import Any
 
 from .client import BUILDER
 from .fit import pose, report
+from .vault import MM
 
-MM = 1000.0
 FILTERS = "STEP (*.step *.stp);;IFC (*.ifc);;GLB (*.glb)"
 
 

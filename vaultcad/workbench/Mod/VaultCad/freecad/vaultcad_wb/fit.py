@@ -14,8 +14,8 @@ import FreeCAD as App
 from . import properties, scan, vault
 from .client import FITTER, outcome
 from .texts import translate
+from .vault import MM
 
-MM = 1000.0
 STEEPEST = radians(10)  # lean of a vault that stands in a scan which was not level
 FAINT = 1e-9  # rad
 
