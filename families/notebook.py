@@ -27,14 +27,14 @@ Row = tuple[str, str, str]  # name, value, meaning
 Trace = dict[str, Any]
 
 HTML, PLOTLY = "text/html", "application/vnd.plotly.v1+json"
-WIDE, AROUND = 320.0, 24.0  # of a section, in pixels, and what is left free around it
+SECTION_WIDTH, AROUND = 320.0, 24.0  # of a section, in pixels, and what is left free around it
 BESIDE = 0.6  # of the way to the wall: where the second line of a section is
-SLICE, MOST = 0.03, 1500  # [m] to either side of a section from which points are shown; so many
-STEPS, HALVINGS = 241, 40  # an odd number, so that one of them is at the crown
+SLICE, SLICE_POINTS = 0.03, 1500  # [m] to either side of a section from which points are shown; so many
+SECTION_STEPS, HALVINGS = 241, 40  # an odd number, so that one of them is at the crown
 INSIDE = 1 - 1e-9
 TOLERANCE = 0.01  # [m] between the triangles of the view and the surface
 DECIMALS = 4  # of a metre in the view
-WALL = "#888888"
+WALL_COLOUR = "#888888"
 CAMERA = {"eye": {"x": 1.3, "y": -1.5, "z": 0.6}}
 
 
@@ -86,7 +86,7 @@ def table(rows: Iterable[Sequence[str]]) -> str:
 
 def sections(vault: Vault, points: Floats | None = None) -> str:
     """Both sections through the middle as SVG, at one scale; the points (n, 3) [m] in the vault's frame near them."""
-    scale = (WIDE - 2 * AROUND) / (2 * max(vault.plan.half_x, vault.plan.half_y))
+    scale = (SECTION_WIDTH - 2 * AROUND) / (2 * max(vault.plan.half_x, vault.plan.half_y))
     return "".join(_section(vault, across, scale, points) for across in (0, 1))
 
 
@@ -100,11 +100,11 @@ def _section(vault: Vault, across: int, scale: float, points: Floats | None) -> 
         return " ".join(f"{wide / 2 + scale * u:.1f},{tall - 1.5 * AROUND - scale * z:.1f}" for u, z in row)
 
     beside, _ = outline(vault, across, BESIDE * wall)
-    drawn = [f'<polyline points="{xy(beside)}" stroke="{WALL}"/>']
+    drawn = [f'<polyline points="{xy(beside)}" stroke="{WALL_COLOUR}"/>']
     line, component = outline(vault, across, 0.0)
     for k, run in groupby(range(len(component)), key=lambda i: int(component[i])):
         stretch = list(run)
-        row, shade = xy(line[stretch[0] : stretch[-1] + 2]), colour(k).hex if k else WALL
+        row, shade = xy(line[stretch[0] : stretch[-1] + 2]), colour(k).hex if k else WALL_COLOUR
         name = vault.components[k - 1] if k else "wall"
         drawn.append(f'<polyline points="{row}" stroke="{shade}" stroke-width="3"><title>{name}</title></polyline>')
     dots = "" if points is None else "".join(f"M{xy(p[None])}h0" for p in _near(points, across, half, rise))
@@ -112,7 +112,7 @@ def _section(vault: Vault, across: int, scale: float, points: Floats | None) -> 
     return (
         f'<svg width="{wide:.0f}" height="{tall:.0f}" viewBox="0 0 {wide:.0f} {tall:.0f}" fill="none" role="img">'
         f'{"".join(drawn)}<path d="{dots}" stroke="currentColor" stroke-width="1.5" stroke-linecap="round"/>'
-        f'<polyline points="{level}" stroke="{WALL}" stroke-dasharray="6 4"/>'
+        f'<polyline points="{level}" stroke="{WALL_COLOUR}" stroke-dasharray="6 4"/>'
         f'<text x="{wide / 2:.0f}" y="{tall - 0.4 * AROUND:.1f}" text-anchor="middle" font-size="12" '
         f'fill="currentColor">{2 * half:.2f} m across {"xy"[across]}, rise {rise:.2f} m</text></svg>'
     )
@@ -122,7 +122,7 @@ def _near(points: Floats, across: int, half: float, rise: float) -> Floats:
     """Some of the points within a slice about a section, as (m, 2)."""
     u, v, z = points[:, across], points[:, 1 - across], points[:, 2]
     near = points[(np.abs(u) < 1.02 * half) & (np.abs(v) < SLICE) & (z > 0) & (z < 1.05 * rise)][:, [across, 2]]
-    return near[:: max(1, -(-len(near) // MOST))]
+    return near[:: max(1, -(-len(near) // SLICE_POINTS))]
 
 
 def outline(vault: Vault, across: int, at: float) -> tuple[Floats, NDArray[np.uint16]]:
@@ -138,8 +138,8 @@ def outline(vault: Vault, across: int, at: float) -> tuple[Floats, NDArray[np.ui
         points[:, across], points[:, 2] = u, z
         return points
 
-    u = half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, STEPS))  # closer where arches are steep
-    low, high = np.zeros(STEPS), np.full(STEPS, vault.derived_values()["rise"] + 1.0)
+    u = half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, SECTION_STEPS))  # closer where arches are steep
+    low, high = np.zeros(SECTION_STEPS), np.full(SECTION_STEPS, vault.derived_values()["rise"] + 1.0)
     for _ in range(HALVINGS):
         z = (low + high) / 2
         room = vault.distance(placed(u * INSIDE, z)) < 0

@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 LOOKED_AT = 1500  # places at which they are compared with what the points around say
 NEIGHBOURS = 12
 THERE = 0.5  # share of normals that must not be zero
-ALIKE = np.cos(np.radians(30.0))  # cosine between a normal and the estimate beside it
+ALIKE_NORMALS = np.cos(np.radians(30.0))  # cosine between a normal and the estimate beside it
 RIGHT = 0.6  # share of the places where they are alike; noise and edges leave less than all
 ONE = np.cos(np.radians(2.0)), 0.98  # cosine to one direction, and the share of normals that have it, if all do
 VARIED = 0.8  # share of the estimates along that direction, below which it cannot be true
@@ -40,10 +40,10 @@ def usable(xyz: Floats, given: NDArray[np.floating]) -> tuple[Floats | None, Not
         cosine = np.abs(np.einsum("ij,ij->i", unit[some], seen))[known]
         axis = _axis(unit[some])
         one = np.mean(np.abs(unit[some] @ axis) > ONE[0]) >= ONE[1]
-        if one and np.mean(np.abs(seen[known] @ axis) > ALIKE) < VARIED:
+        if one and np.mean(np.abs(seen[known] @ axis) > ALIKE_NORMALS) < VARIED:
             return None, _useless("all the same")
-        if np.mean(cosine > ALIKE) < RIGHT:
-            return None, _useless(f"off those of the surface on {np.mean(cosine <= ALIKE):.0%} of it")
+        if np.mean(cosine > ALIKE_NORMALS) < RIGHT:
+            return None, _useless(f"off those of the surface on {np.mean(cosine <= ALIKE_NORMALS):.0%} of it")
     if abs(float(np.median(length[there])) - 1) > UNIT:
         return unit, Note("normals", "the normals of the scan are not of unit length: taken as directions")
     return unit, None

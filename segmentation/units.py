@@ -37,7 +37,7 @@ UNIT_WORDS = {"unit", "units", "einheit", "einheiten", "unita", "unite", "unites
 FILLERS = {"of", "length", "lengths", "is", "are", "in", "system", "linear", "the", "1", "coordinates"}
 """What may stand between such a word and the unit."""
 OTHER_THINGS = {"intensity", "angle", "angular", "time", "temperature", "reflectance", "color", "colour"}
-EXACT = 1e-9
+EXACT_UNIT = 1e-9
 """Relative difference of two factors that are one unit; the two feet differ by 2e-6."""
 
 
@@ -48,7 +48,7 @@ def unit_named(text: str) -> str | None:
 
 def unit_of(metres: float) -> str | None:
     """The unit of UNITS that is so many metres long; None if none is."""
-    return next((name for name, size in UNITS.items() if abs(metres / size - 1) < EXACT), None)
+    return next((name for name, size in UNITS.items() if abs(metres / size - 1) < EXACT_UNIT), None)
 
 
 def unit_said(text: str) -> str | None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Row = tuple[str, str, str, str]  # name, value, standard deviation, meaning
 
-MOST = 6000  # points in the 3D view
+VIEW_POINTS = 6000  # points in the 3D view
 # Red into the room, blue into the stone, as in the review. By its name plotly draws this scale one way round in Python
 # and the other way round in a browser.
 COLOURS = [[0.0, "#b2182b"], [0.25, "#f4a582"], [0.5, "#f7f7f7"], [0.75, "#92c5de"], [1.0, "#2166ac"]]
@@ -58,7 +58,7 @@ def of_result(result: Result) -> dict[str, Any]:
 
 def _deviations(result: Result) -> Trace:
     on = np.flatnonzero((result.component > 0) & np.isfinite(result.deviation))
-    on = on[:: max(1, -(-len(on) // MOST))]
+    on = on[:: max(1, -(-len(on) // VIEW_POINTS))]
     points, d = result.points[on], 1000 * result.deviation[on]
     reach = float(np.quantile(np.abs(d), REACH)) if len(d) else 1.0
     return {

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from families.declaration.parameters import Parametric, Range
 
 Array = NDArray[np.float64]
-STEPS = 8  # of Newton's method at the most; from the middle of a bay three mostly do
+NEWTON_STEPS = 8  # of Newton's method at the most; from the middle of a bay three mostly do
 CLOSE = 1e-12  # [m]
 
 
@@ -38,7 +38,7 @@ class Skew(Parametric):
     def straightened(self, points: Array, half: Array) -> Array:
         """The inverse of `bent`, by Newton's method."""
         out = np.array(points, dtype=np.float64)
-        for _ in range(STEPS):
+        for _ in range(NEWTON_STEPS):
             miss = (self.bent(out, half) - points)[:, :2]
             if not len(miss) or np.abs(miss).max() < CLOSE:
                 break

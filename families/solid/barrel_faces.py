@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from families.declaration.pieces import Piece
 from families.declaration.units import MM
-from families.solid.barrel_slopes import LEVEL, GroinLine, Slope, groin, placed, turning
+from families.solid.barrel_slopes import SAME_HEIGHT, GroinLine, Slope, groin, placed, turning
 from families.solid.boundary import Loop, Step
 from families.solid.curves import Point, Simple, Spline, Straight
-from families.solid.plan_cells import NEAR, Cell
+from families.solid.plan_cells import SAME_CUT, Cell
 from families.solid.surfaces import Drawn, Flat, Sheet, Translated
 from families.solid.visible_sides import VisibleSides, parted, scene
 
@@ -89,7 +89,7 @@ class _Half:
     def _behind(self) -> tuple[float, float] | None:
         """Where there is only this barrel, behind the wall of one that rises towards that."""
         cross = self.cross
-        if self.scene.lower or cross is None or cross.falls or self.scene.end(cross) - cross.far < NEAR:
+        if self.scene.lower or cross is None or cross.falls or self.scene.end(cross) - cross.far < SAME_CUT:
             return None
         return cross.far, self.scene.end(cross)
 
@@ -97,7 +97,7 @@ class _Half:
         """Where strips end, in rising order of u."""
         slope = self.slope
         cuts = {*slope.breaks, *self.own[:1], *self.own[-1:]}
-        if slope.level_at(slope.high) > self.scene.ceiling + LEVEL:
+        if slope.level_at(slope.high) > self.scene.ceiling + SAME_HEIGHT:
             top = slope.place_of(self.scene.ceiling)
             cuts = {top, *(u for u in cuts if u > top)}
         return sorted(cuts)
@@ -107,7 +107,7 @@ class _Half:
         middle = (start + end) / 2
         arc = self._sheet(self.slope.bow(middle))
         beyond, bound = self._range(middle)
-        if bound is not None and abs(bound - beyond) < NEAR:
+        if bound is not None and abs(bound - beyond) < SAME_CUT:
             return None
         if bound is None:
             first, last = (self.other[self._knot(u)] for u in (start, end))
@@ -135,7 +135,7 @@ class _Half:
         cross = self.cross
         assert cross is not None
         end = self.scene.end(cross)
-        return end if cross.falls and end - cross.far > NEAR else cross.low
+        return end if cross.falls and end - cross.far > SAME_CUT else cross.low
 
     def _knot(self, u: float) -> int:
         return int(np.abs(np.array(self.own) - u).argmin())
@@ -172,7 +172,7 @@ class _Half:
     def _arches(self, start: float, end: float, v: float) -> Loop:
         """Along the profile at v, from u to u, arc by arc."""
         low, high = sorted((start, end))
-        stops = [low, *sorted(u for u in self.slope.breaks if low + NEAR < u < high - NEAR), high]
+        stops = [low, *sorted(u for u in self.slope.breaks if low + SAME_CUT < u < high - SAME_CUT), high]
         steps = []
         for a, b in pairwise(stops if start < end else stops[::-1]):
             path = self._sheet(self.slope.bow((a + b) / 2)).arch(self._along(v))
@@ -187,7 +187,7 @@ class _Half:
         """The upright plane below the springing, where it stands within the cell, as far as it shows."""
         slope, part, cross = self.slope, self.slope.part, self.cross
         foot, u = part.base + slope.height(slope.far), slope.far
-        if foot + part.crown_rise < NEAR:
+        if foot + part.crown_rise < SAME_CUT:
             return
         sheet = Flat(slope.side.axis, MM * self.scene.wall(slope))
         top = self._sheet(slope.bow(u))
@@ -203,23 +203,23 @@ class _Half:
         met = self.other[self._knot(u)] if bound is None else bound
         if self.scene.lower:
             # Below both barrels, from the crown of the other one to its wall.
-            loop = [self._ruling(top, u, cross.high, met)] if abs(met - cross.high) > NEAR else []
+            loop = [self._ruling(top, u, cross.high, met)] if abs(met - cross.high) > SAME_CUT else []
             loop += side._arches(met, cross.low, u)
             first, last = (min(side._height(v, u), self._height(u, v)) for v in (cross.high, cross.low))
             loop += [self._plumb(cross.low, last, 0.0), self._ground(cross.low, cross.high)]
             loop.append(self._plumb(cross.high, 0.0, first))
         else:
             # Above the other barrel as far as that reaches, then down to the ground.
-            if abs(met - last) < NEAR:
+            if abs(met - last) < SAME_CUT:
                 return
             loop = [self._ruling(top, u, met, last)]
-            if abs(last - cross.low) < NEAR:
+            if abs(last - cross.low) < SAME_CUT:
                 loop.append(self._plumb(last, None, side._height(last, u)))
             else:
                 loop += [self._plumb(last, None, 0.0), self._ground(last, cross.low)]
-                if abs(met - cross.low) > NEAR:
+                if abs(met - cross.low) > SAME_CUT:
                     loop.append(self._plumb(cross.low, 0.0, side._height(cross.low, u)))
-            if abs(met - cross.low) > NEAR:
+            if abs(met - cross.low) > SAME_CUT:
                 loop += side._arches(cross.low, met, u)
                 loop.append(self._plumb(met, side._height(met, u), None))
             else:
@@ -245,7 +245,7 @@ def _ceiling(scene: VisibleSides) -> Iterator[Web]:
         slope = scene.slopes.get(across)
         if slope is None:
             sides.append(scene.cell.side(across))
-        elif slope.level_at(slope.high) > scene.ceiling + LEVEL:
+        elif slope.level_at(slope.high) > scene.ceiling + SAME_HEIGHT:
             sides.append((slope.at(slope.near), slope.at(slope.place_of(scene.ceiling))))
         else:
             return

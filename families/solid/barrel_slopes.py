@@ -22,7 +22,7 @@ from families.solid.surfaces import Side
 from families.void.profile_outline import Bow, half_outline
 
 Array = NDArray[np.float64]
-LEVEL = 1e-8  # [m], heights nearer than that are one
+SAME_HEIGHT = 1e-8  # [m], heights nearer than that are one
 FLAT = 2e-4  # [m], places on two level crowns whose heights are one may be so far apart
 ROUNDING = 1e-14  # of a cosine
 DENSE = 257  # places at which a curve is looked at before its samples are chosen
@@ -206,11 +206,11 @@ def _groin(first: Slope, second: Slope, ceiling: float) -> GroinLine:
     pair = (first, second)
     top = min(*(slope.level_at(slope.high) for slope in pair), ceiling)
     foot = max(slope.level_at(slope.low) for slope in pair)
-    if top - foot < LEVEL:
+    if top - foot < SAME_HEIGHT:
         return GroinLine()
     levels = [top]
     for level in sorted((slope.level_at(u) for slope in pair for u in slope.breaks[1:-1]), reverse=True):
-        if foot + LEVEL < level < levels[-1] - LEVEL:
+        if foot + SAME_HEIGHT < level < levels[-1] - SAME_HEIGHT:
             levels.append(level)
     levels.append(foot)
     knots = [(_snapped(first, level), _snapped(second, level)) for level in levels]
@@ -223,7 +223,7 @@ def _snapped(slope: Slope, level: float) -> float:
     """F⁻¹ of a level, or an end of the slope or of an arc if that is as high."""
     u = float(slope.place(np.array([level]))[0])
     for end in slope.breaks:
-        if abs(u - end) < FLAT and abs(slope.level_at(end) - level) < LEVEL:
+        if abs(u - end) < FLAT and abs(slope.level_at(end) - level) < SAME_HEIGHT:
             return end
     return u
 

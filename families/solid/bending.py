@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 Map = Callable[[Array], Array]
 SPANS = 16  # between knots, along each direction of a face and along an edge
 WELD = 1e-4  # [mm] that corners of a mesh may be apart
-NEAR = 0.5  # [mm] that an edge and its faces may be apart
+NEAR_EDGE = 0.5  # [mm] that an edge and its faces may be apart
 
 
 def bent(shape: TopoDS_Shape, move: Map) -> TopoDS_Shape:
@@ -45,7 +45,7 @@ def bent(shape: TopoDS_Shape, move: Map) -> TopoDS_Shape:
     Raises:
         ValueError: they do not close any more, as spheres about a pole.
     """
-    sewing = BRepBuilderAPI_Sewing(NEAR)
+    sewing = BRepBuilderAPI_Sewing(NEAR_EDGE)
     for face in faces(shape):
         sewing.Add(_bent(face, move))
     sewing.Perform()

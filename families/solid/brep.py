@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import build123d
 
 EXTRADOS, SIDE = "extrados", "side"
-EXACT, BENT = 1e-6, 3e-4  # [m] that faces may be off the numeric surface, and those of skewed vaults
+EXACT_FACE, BENT = 1e-6, 3e-4  # [m] that faces may be off the numeric surface, and those of skewed vaults
 FACETS = 2e-3  # [m] that plane facets may be off
 CORNER = 0.3  # [mm], see `workable`
 
@@ -151,10 +151,10 @@ def face_names(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> list[tupl
     half = vault.plan.half
     if vault.skew is not None:
         points = vault.skew.straightened(points, half)
-    ground = np.abs(points[:, 2]) < EXACT
-    side = ground | (np.abs(np.abs(points[:, :2]) - half) < EXACT).any(axis=1)
+    ground = np.abs(points[:, 2]) < EXACT_FACE
+    side = ground | (np.abs(np.abs(points[:, :2]) - half) < EXACT_FACE).any(axis=1)
     # Walls of a stilt stand on the plan's edge and are of the surface; other faces there only come near it.
-    shown = ~ground & (np.abs(here.distance) < np.where(side, EXACT, BENT))
+    shown = ~ground & (np.abs(here.distance) < np.where(side, EXACT_FACE, BENT))
     names = (EXTRADOS, SIDE, *vault.components)
     kind = np.where(shown, here.component + 1, side)
     return [(face, names[k]) for face, k in zip(found, kind, strict=True)]

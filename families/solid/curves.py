@@ -24,7 +24,7 @@ from families.void.profile_outline import Bow
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]
 DEGREE, SAMPLES = 5, 49  # of a curve that is interpolated
-STEP = 0.03  # [rad] between the samples of a circle
+ARC_STEP = 0.03  # [rad] between the samples of a circle
 STRAIGHT = 1e-9  # of the parameters of a surface, to which a curve on it is a straight line
 PROBES = np.array([0.1, 0.35, 0.6, 0.9])
 AXES = np.eye(3)
@@ -136,7 +136,7 @@ class Conic(Simple):
 
     def nodes(self, start: float, end: float) -> Array:
         """As many as the angle asks for."""
-        return np.linspace(start, end, max(SAMPLES, ceil(abs(end - start) / STEP)))
+        return np.linspace(start, end, max(SAMPLES, ceil(abs(end - start) / ARC_STEP)))
 
     @staticmethod
     def of(bow: Bow, place: Array, across: Array, up: Array) -> tuple[Conic, float, float]:

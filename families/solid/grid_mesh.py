@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from families.declaration.vault import Vault
 from families.solid.mesh import Mesh
 
-STEPS = 121  # of the grid, along either side of the plan
+GRID_STEPS = 121  # of the grid, along either side of the plan
 HALVINGS = 30  # of the height, in which a surface is looked for
 INSIDE = 1 - 1e-9  # of the plan: on its edge the walls begin
 
@@ -25,7 +25,7 @@ def relief(vault: Vault, thickness: float) -> Mesh:
     if vault.skew is not None:
         straight = relief(vault.straight, thickness)
         return replace(straight, vertices=vault.bent(straight.vertices))
-    u = np.sin(np.linspace(-np.pi / 2, np.pi / 2, STEPS))
+    u = np.sin(np.linspace(-np.pi / 2, np.pi / 2, GRID_STEPS))
     x, y = np.meshgrid(u * vault.plan.half_x, u * vault.plan.half_y, indexing="ij")
     plan = np.column_stack([x.ravel(), y.ravel()])
     top = vault.derived_values()["rise"] + 2 * thickness + 1.0
@@ -59,12 +59,12 @@ def _height(vault: Vault, plan: Array, depth: float, top: float) -> Array:
 
 def _cells() -> NDArray[np.int64]:
     """Triangles of the grid, counterclockwise from above."""
-    a = (np.arange(STEPS - 1)[:, None] * STEPS + np.arange(STEPS - 1)).ravel()
-    b, c, d = a + STEPS, a + STEPS + 1, a + 1
+    a = (np.arange(GRID_STEPS - 1)[:, None] * GRID_STEPS + np.arange(GRID_STEPS - 1)).ravel()
+    b, c, d = a + GRID_STEPS, a + GRID_STEPS + 1, a + 1
     return np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
 
 
 def _rim() -> NDArray[np.int64]:
     """The grid's edge, counterclockwise from above."""
-    grid = np.arange(STEPS * STEPS).reshape(STEPS, STEPS)
+    grid = np.arange(GRID_STEPS * GRID_STEPS).reshape(GRID_STEPS, GRID_STEPS)
     return np.concatenate([grid[:-1, 0], grid[-1, :-1], grid[:0:-1, -1], grid[0, :0:-1]])

@@ -11,7 +11,7 @@ from itertools import pairwise, product
 
 from families.declaration.pieces import Ball, BarrelPart, Direction, Piece, Plan
 
-NEAR = 1e-6  # [m], cuts nearer than that are one
+SAME_CUT = 1e-6  # [m], cuts nearer than that are one
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def cuts(pieces: tuple[Piece, ...], plan: Plan) -> Cuts:
 def _apart(places: list[float], half: float) -> tuple[float, ...]:
     kept: list[float] = []
     for place in sorted(places):
-        if abs(place) < half - NEAR and (not kept or place - kept[-1] > NEAR):
+        if abs(place) < half - SAME_CUT and (not kept or place - kept[-1] > SAME_CUT):
             kept.append(place)
     return tuple(kept)
 
@@ -86,13 +86,13 @@ class View:
     def near(self) -> float:
         """Distance of the cell from the axis [m]."""
         near = min(self.sign * (place - self.part.centre) for place in self.cell.side(self.part.across))
-        return near if near > NEAR else 0.0
+        return near if near > SAME_CUT else 0.0
 
     @property
     def far(self) -> float:
         """Distance of the wall or, if that comes first, of the cell's far side from the axis [m]."""
         far = max(self.sign * (place - self.part.centre) for place in self.cell.side(self.part.across))
-        return far if far < self.part.curve.half_span - NEAR else self.part.curve.half_span
+        return far if far < self.part.curve.half_span - SAME_CUT else self.part.curve.half_span
 
     @property
     def bounds(self) -> bool:
@@ -102,4 +102,4 @@ class View:
     @property
     def outside(self) -> bool:
         """Whether the cell lies behind the wall."""
-        return self.bounds and self.near > self.part.curve.half_span - NEAR
+        return self.bounds and self.near > self.part.curve.half_span - SAME_CUT

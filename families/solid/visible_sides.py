@@ -7,7 +7,7 @@ from math import copysign, inf
 
 from families.declaration.pieces import BarrelPart, Ceiling, Direction, Piece
 from families.solid.barrel_slopes import Slope
-from families.solid.plan_cells import NEAR, Cell, View
+from families.solid.plan_cells import SAME_CUT, Cell, View
 
 DECIMALS = 12  # of a metre, to which alike cells agree
 
@@ -32,14 +32,14 @@ class VisibleSides:
 
     def walled(self, slope: Slope) -> bool:
         """Whether a barrel's wall shows."""
-        if slope.far < slope.part.curve.half_span - NEAR:
+        if slope.far < slope.part.curve.half_span - SAME_CUT:
             return False
-        return self.end(slope) - slope.far > NEAR or abs(self.wall(slope)) == self.sides[slope.side.axis]
+        return self.end(slope) - slope.far > SAME_CUT or abs(self.wall(slope)) == self.sides[slope.side.axis]
 
     def wall(self, slope: Slope) -> float:
         """Coordinate [m] of a barrel's wall, the very one of a side if it stands there."""
         place, side = slope.at(slope.far), self.sides[slope.side.axis]
-        return copysign(side, place) if abs(abs(place) - side) < NEAR else place
+        return copysign(side, place) if abs(abs(place) - side) < SAME_CUT else place
 
 
 def scene(pieces: tuple[Piece, ...], cell: Cell, sides: tuple[float, float]) -> VisibleSides:

@@ -14,7 +14,7 @@ from families.void.sampling_strips import Strip, strips
 GOLDEN = (sqrt(5) - 1) / 2
 PILOT = 40_000  # points that tell how much of all strips shows
 PROBE = 1e-6  # [m] into the stone, where the distance must be just that
-EXACT = 1e-9  # [m]
+EXACT_POINT = 1e-9  # [m]
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def _shown(vault: Vault, strip: Strip, count: float, rng: np.random.Generator) -
     inside = (np.abs(xyz[:, 0]) <= plan.half_x) & (np.abs(xyz[:, 1]) <= plan.half_y) & (xyz[:, 2] >= 0)
     xyz, normal = xyz[inside], normal[inside]
     # The distance just behind the surface tells whether there is stone, not another piece of the void.
-    shown = np.abs(vault.distance(xyz + PROBE * normal) - PROBE) < EXACT
+    shown = np.abs(vault.distance(xyz + PROBE * normal) - PROBE) < EXACT_POINT
     return xyz[shown]
 
 

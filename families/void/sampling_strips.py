@@ -16,7 +16,7 @@ from families.declaration.profiles import Arc, Curve
 from families.void.profile_outline import Bow, Wall, half_outline
 
 Array = NDArray[np.float64]
-STEPS = 4096  # of the table that turns a share of a strip's area into a place on its line
+TABLE_STEPS = 4096  # of the table that turns a share of a strip's area into a place on its line
 
 
 class Strip(ABC):
@@ -67,7 +67,7 @@ class DrawnStrip(Strip):
 
     @cached_property
     def _table(self) -> tuple[Array, Array]:
-        t = np.linspace(self.line.start, self.line.end, STEPS + 1)
+        t = np.linspace(self.line.start, self.line.end, TABLE_STEPS + 1)
         _, _, _, nz = self.line.trace((t[1:] + t[:-1]) / 2)
         width = _steps(self.line, t) * _stretch(self.steepness * nz, 1.0)
         return t, np.concatenate([[0.0], np.cumsum(width)])
@@ -100,7 +100,7 @@ class RevolvedStrip(Strip):
 
     @cached_property
     def _table(self) -> tuple[Array, Array]:
-        t = np.linspace(self.line.start, self.line.end, STEPS + 1)
+        t = np.linspace(self.line.start, self.line.end, TABLE_STEPS + 1)
         u, _, _, _ = self.line.trace((t[1:] + t[:-1]) / 2)
         return t, np.concatenate([[0.0], np.cumsum(2 * pi * u * _steps(self.line, t))])
 

@@ -15,7 +15,7 @@ from segmentation.errors import COPY_AGAIN, ReadError
 
 HEADER = struct.Struct("<8sIIQQQQ")  # signature, version, length of the file, place and length of the XML, page
 PAGE, CHECKSUM = 1024, 4  # bytes of a page, and of the checksum at its end; no other size is read
-LONGEST = 16 << 20  # bytes of XML; a survey of a thousand scans has about 4 MB
+LONGEST_XML = 16 << 20  # bytes of XML; a survey of a thousand scans has about 4 MB
 DEEPEST = 64  # elements within each other; the standard needs 8
 ENCODINGS = ("utf-8", "utf8", "us-ascii", "ascii")
 HARMLESS = (b"<!--", b"<![CDATA[")  # all else that begins like this declares something
@@ -52,8 +52,8 @@ def _xml(path: Path) -> bytes:
             raise ReadError(path, f"is no E57 file that can be read (pages of {page} bytes, not {PAGE})", COPY_AGAIN)
         if length != size:
             raise ReadError(path, f"is no whole E57 file ({size} bytes where its header says {length})", COPY_AGAIN)
-        if count > LONGEST:
-            raise ReadError(path, f"its XML is {count} bytes long, more than {LONGEST}", COPY_AGAIN)
+        if count > LONGEST_XML:
+            raise ReadError(path, f"its XML is {count} bytes long, more than {LONGEST_XML}", COPY_AGAIN)
         if not HEADER.size <= at < size or at % PAGE > PAGE - CHECKSUM or count > size:
             raise ReadError(path, "is no whole E57 file (its XML lies outside)", COPY_AGAIN)
         first = at // PAGE

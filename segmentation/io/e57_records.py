@@ -19,7 +19,8 @@ PACKET = struct.Struct("<BBHH")  # kind, flags, bytes of the packet but one, str
 POINTS, DATA = 1, 1  # kinds of a section and a packet that hold points
 PACKETS = (0, 1, 2)  # kinds of packets: of an index, with points, to be passed over
 ALIGNED = 4  # bytes that the length of a packet is a multiple of
-FEW, TYPICAL = 1000, 64  # packets that any section may have, and bytes of a section for one more; good ones have 64 KB
+# packets that any section may have, and bytes of a section for one more; good ones have 64 KB
+PACKETS_ALLOWED, TYPICAL = 1000, 64
 WORD = 8  # bytes that a stream of whole numbers may be filled up by, in each packet
 SINGLE, DOUBLE = 4, 8  # bytes of a real number
 
@@ -148,7 +149,7 @@ def _streams(file: BinaryIO, section: Section, fields: int) -> tuple[list[int], 
 
     fields: how many streams each has. Raises ValueError for packets that cannot be.
     """
-    at, most = section.data, FEW + (section.end - section.data) // TYPICAL
+    at, most = section.data, PACKETS_ALLOWED + (section.end - section.data) // TYPICAL
     lengths = [0] * fields
     seen = packets = 0
     while at < section.end:

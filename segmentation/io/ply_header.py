@@ -17,7 +17,7 @@ TYPES = {
     "float": "f4", "double": "f8", "float32": "f4", "float64": "f8",
 }  # fmt: skip
 ORDERS = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
-MOST = 1 << 40
+MOST_RECORDS = 1 << 40
 """Records that no file holds."""
 LINES = 10_000
 """Lines that a header may have, and bytes that a line may have."""
@@ -145,7 +145,7 @@ def _understood(lines: list[list[str]], facts: Facts) -> tuple[str, list[Element
 
 def _count(text: str) -> int:
     number = whole_of(text)
-    if number >= MOST:
+    if number >= MOST_RECORDS:
         raise ValueError(f"{text} records")
     return number
 

@@ -10,7 +10,7 @@ from segmentation.io.facts import Facts
 
 COARSE = 0.02
 """m; steps from which on a scan is no use."""
-FEWEST = 100
+FEWEST_FOR_PRECISION = 100
 """Points; fewer may all be in single precision by chance."""
 ROUNDED = 0.05
 """Share of single precision's steps that coordinates may have been rounded off by since."""
@@ -23,7 +23,7 @@ def check_precision(path: Path, facts: Facts, points: NDArray[np.float64], scale
 
     Raises ReadError if they come in steps of `COARSE` or more.
     """
-    if len(points) < FEWEST:
+    if len(points) < FEWEST_FOR_PRECISION:
         return
     # Coordinates that single precision holds to the last bit have been through it,
     # but for what was rounded off since, as LAS and texts do.

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from segmentation.cloud import Floats
 from segmentation.io.chunk import Mask
 
-MOST = 20_000
+SAMPLE_SIZE = 20_000
 """Points that tell sizes, steps and spacings well enough, in milliseconds."""
 
 
@@ -28,7 +28,7 @@ def box_of(corners: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
     return np.stack([ends[:, 0].min(axis=0, initial=np.inf), ends[:, 1].max(axis=0, initial=-np.inf)])
 
 
-def sample(parts: Sequence[Floats], taken: Sequence[Mask], most: int = MOST) -> NDArray[np.float64]:
+def sample(parts: Sequence[Floats], taken: Sequence[Mask], most: int = SAMPLE_SIZE) -> NDArray[np.float64]:
     """Every so-manieth of the points (n, 3) that take part, at most about `most` (k, 3)."""
     every = max(1, sum(map(len, parts)) // most)
     few = [part[::every][used[::every]] for part, used in zip(parts, taken, strict=True)]

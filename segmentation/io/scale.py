@@ -20,11 +20,11 @@ SMALLEST = 0.3
 """m, diagonal; less is no scan of a room, nor of a part of one."""
 SPARSEST = 2.0
 """m between points; fewer tell no vault."""
-FEWEST = 1000
+FEWEST_FOR_SIZE = 1000
 """Points from which on their size is judged; no vault is looked for in fewer."""
 ROOM_HEIGHT, ROOM_WIDTH = (0.5, 40.0), (1.0, 500.0)
 """m; sizes of what is likely a scan of rooms under vaults, for the hint."""
-FEW = 100
+FEW_FOR_DEGREES = 100
 """Points with which degrees are told from lengths."""
 CELLS = 50
 """Cells along the diagonal, by whose number the surface is measured."""
@@ -100,7 +100,7 @@ def _check_kind(path: Path, facts: Facts) -> None:
 
 def _check_degrees(path: Path, facts: Facts, points: NDArray[np.float64], asked: str | None) -> None:
     """Degrees that nothing in the file names: a building's longitudes differ by nothing beside its height."""
-    if asked is not None or facts.unit is not None or len(points) < FEW:
+    if asked is not None or facts.unit is not None or len(points) < FEW_FOR_DEGREES:
         return
     x, y, z = np.ptp(np.quantile(points, BULK, axis=0), axis=0)
     within = np.abs(points[:, 0]).max() <= 360 and np.abs(points[:, 1]).max() <= 360
@@ -117,7 +117,7 @@ def _check_size(
 ) -> None:
     """Whether points (n, 3) [m] that stand for `number` could be a scan of rooms."""
     x, y, z = (float(v) for v in np.ptp(np.quantile(points, BULK, axis=0), axis=0))
-    if number < FEWEST or max(x, y, z) == 0:
+    if number < FEWEST_FOR_SIZE or max(x, y, z) == 0:
         return
     size = f"{x:,.4g} × {y:,.4g} × {z:,.4g} m"
     small = bool(np.linalg.norm((x, y, z)) < SMALLEST)

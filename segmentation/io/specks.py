@@ -9,7 +9,7 @@ from segmentation.cloud import Floats
 from segmentation.io.chunk import Mask
 from segmentation.io.sample import sample
 
-FEWEST = 100
+FEWEST_FOR_SPECKS = 100
 """With fewer points there are no others to be far from."""
 MIDDLE = (0.05, 0.95)
 """Shares of the points between which the bulk of them lies along an axis."""
@@ -33,7 +33,7 @@ def far_specks(parts: Sequence[Floats], taken: Sequence[Mask], corners: NDArray[
     """
     bulk = sample(parts, taken)
     bulk = bulk[(bulk != 0).any(axis=1)]
-    if sum(int(used.sum()) for used in taken) < FEWEST or len(bulk) == 0:
+    if sum(int(used.sum()) for used in taken) < FEWEST_FOR_SPECKS or len(bulk) == 0:
         return None
     inner, outer = np.quantile(bulk, MIDDLE, axis=0)
     diagonal = float(np.linalg.norm(outer - inner))

@@ -11,7 +11,7 @@ from segmentation.io.chunk import Chunk, Mask
 from segmentation.io.facts import Facts
 from segmentation.notes import count
 
-FEWEST = 4
+FEWEST_ZEROS = 4
 """Points in 0, 0, 0 that no scan has; a lost sector of a disk makes more of them."""
 RUN = 16
 """Points in succession that have one coordinate 0: none that is measured and has many digits does."""
@@ -37,7 +37,7 @@ def tell_zeros(facts: Facts, parts: Sequence[Floats], taken: Sequence[Mask], cor
 
 def tell_lost(facts: Facts, zeros: int, place: str) -> None:
     """Say how many points are zero bytes, which is a place where no scan has many."""
-    if zeros >= FEWEST:
+    if zeros >= FEWEST_ZEROS:
         facts.tell("zeros", f"{count(zeros, 'point')} in {place}: bytes lost from the file, or beams without an answer")
 
 

@@ -17,7 +17,7 @@ from segmentation.ransac.working_cloud import MISFIT, WorkingCloud
 LEAST = 20  # cells that tell how something bows
 FIT_POINTS = 1000  # cells that decide it
 FLATTEST = 1e-3  # extents of the cloud over radius from which a bow counts as a plane
-WIDE = 3.0  # bands within which a bow is fitted: its pieces may be out by more than one
+BOW_BANDS = 3.0  # bands within which a bow is fitted: its pieces may be out by more than one
 BETTER = 0.7  # rms of a bow over that of the plane, from which the wall bellies
 MISSED = 0.05  # share of two pieces of a wall that its bow may leave
 
@@ -106,7 +106,7 @@ def _bows(cloud: WorkingCloud, cells: Ints, rms: float, settings: Search) -> Sha
     shapes = Shapes(np.array([SPHERE, CYLINDER]), rows)
     close = _rms(shapes, xyz) < rms
     shapes = shapes.take(close & np.array([is_flat(shapes, k, xyz) for k in range(2)]))
-    shapes = polish_on_all(shapes, xyz, np.full_like(xyz, np.nan), WIDE * max(cloud.epsilon, rms), settings)
+    shapes = polish_on_all(shapes, xyz, np.full_like(xyz, np.nan), BOW_BANDS * max(cloud.epsilon, rms), settings)
     return shapes.take(np.array([is_flat(shapes, k, xyz) for k in range(len(shapes))], dtype=np.bool_))
 
 

@@ -30,9 +30,9 @@ from segmentation.ransac.working_cloud import WorkingCloud
 
 CHOICE_POINTS = 6000
 SIMPLER = 0.02  # share of what a primitive explains that one with fewer parameters may leave
-ALIKE = 2.0  # bands that two primitives may differ by to be one surface, of which both see what misfit leaves
+ALIKE_SURFACES = 2.0  # bands that two primitives may differ by to be one surface, of which both see what misfit leaves
 KIN = 4.0  # bands that two primitives may differ by to be pieces of one of another kind, as spheres are of a drum
-NEAR = 10.0  # bands that two primitives may differ by, on average over one's points, to be worth merging
+NEAR_SURFACES = 10.0  # bands that two primitives may differ by, on average over one's points, to be worth merging
 OWN = 0.1  # share of the points nearest to a primitive that nothing else may explain; less, and it fits others' misfit
 PROMISING = 0.5  # share of a primitive's points that the first guess of a simpler one has to explain
 TRIALS = 64  # minimal sets that look for a simpler primitive
@@ -167,8 +167,8 @@ class _Choice:
         Where the two are alike it may explain a little less: a settled web is no one cylinder's, and two explain more.
         """
         owned, across = self._across(now)
-        near = np.minimum(across, across.T) < NEAR * self.epsilon
-        alike = np.maximum(across, across.T) < ALIKE * self.epsilon
+        near = np.minimum(across, across.T) < NEAR_SURFACES * self.epsilon
+        alike = np.maximum(across, across.T) < ALIKE_SURFACES * self.epsilon
         pairs = np.argwhere(np.triu(near, 1))
         theirs = [np.flatnonzero(owned[i] | owned[j]) for i, j in pairs]
         joint = self._fitted(now.shapes.take(pairs.ravel()), (points for points in theirs for _ in range(2)))
@@ -202,7 +202,7 @@ class _Choice:
 
         Far off counts as twice `NEAR`, and so does another kind.
         """
-        far = 2.0 * NEAR * self.epsilon
+        far = 2.0 * NEAR_SURFACES * self.epsilon
         owned = (now.share > 0.0) & (now.share >= now.best[1][0])
         weight = owned / np.maximum(owned.sum(axis=1), 1)[:, None]
         kinds = now.shapes.kinds

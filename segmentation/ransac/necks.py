@@ -24,7 +24,7 @@ Mask = NDArray[np.bool_]
 
 CLEAR = 0.010  # [m] from a curve to the points that may lead through a neck: 0.03 m of one of 0.05 m
 CLEAR_SPACINGS = 1.2  # the same in spacings of the points: a neck of fewer than about five is not seen
-STEP = 2.2  # clearances from point to point. Across a right-angled crossing they are 2.8 apart, 2.3 in a web of 120°
+NECK_STEP = 2.2  # clearances between points. Across a right-angled crossing they are 2.8 apart, 2.3 in a web of 120°
 CELLS_A_SQUARE = 1.5  # that a slanting surface meets
 HOPS = 48  # cells from where two regions meet to the core of either: half of the longest strip
 
@@ -148,7 +148,7 @@ class Necks:
         if len(passing) == 0:
             return False
         passing = passing[np.argsort(xyz[passing, axis := int(np.argmax(np.ptp(xyz, axis=0)))], kind="stable")]
-        root = _linked(xyz[passing], axis, STEP * clear)
+        root = _linked(xyz[passing], axis, NECK_STEP * clear)
         core = self.cores[cell[passing]] > 0
         region = self.regions[cell[passing]]
         ends = (root[core & (region == side)] for side in pair)

@@ -26,7 +26,7 @@ RUN, EVERY = 256, 5  # noise is measured on runs of so many cells, every fifth
 NOISE_BAND = 6.0  # standard deviations of noise that epsilon holds at least
 PRICE = 0.5  # of a primitive, in minimum supports: half of its points may lie near epsilon
 LEAST_CELLS = 20.0
-STEPS = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1], indexing="ij"), axis=-1).reshape(-1, 3)
+NEIGHBOUR_STEPS = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1], [-1, 0, 1], indexing="ij"), axis=-1).reshape(-1, 3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,9 +192,9 @@ def touching(cell: Ints) -> tuple[Ints, Ints]:
     key = ((cell[:, 0] + 1) * span[1] + cell[:, 1] + 1) * span[2] + cell[:, 2] + 1
     order = np.argsort(key)
     ascending = key[order]
-    table = np.full((len(key), len(STEPS)), -1, dtype=np.int64)
-    for j in range(len(STEPS) // 2):  # the other half are the same pairs seen from the other end
-        wanted = ascending + (STEPS[j, 0] * span[1] + STEPS[j, 1]) * span[2] + STEPS[j, 2]
+    table = np.full((len(key), len(NEIGHBOUR_STEPS)), -1, dtype=np.int64)
+    for j in range(len(NEIGHBOUR_STEPS) // 2):  # the other half are the same pairs seen from the other end
+        wanted = ascending + (NEIGHBOUR_STEPS[j, 0] * span[1] + NEIGHBOUR_STEPS[j, 1]) * span[2] + NEIGHBOUR_STEPS[j, 2]
         place = np.minimum(np.searchsorted(ascending, wanted), len(key) - 1)
         found = np.flatnonzero(ascending[place] == wanted)
         tail, head = order[found], order[place[found]]

@@ -7,7 +7,7 @@ from families.declaration.lengths import RATIOS
 from families.declaration.parameters import derived_declarations
 from vaultcad.cli.options import Bounds, Option, flag, read
 
-LONGEST = 1000.0  # m, so that what is no length is told at once
+LONGEST_LENGTH = 1000.0  # m, so that what is no length is told at once
 
 
 def length_options(cls: type[Vault], panel: str) -> list[Option]:
@@ -15,7 +15,7 @@ def length_options(cls: type[Vault], panel: str) -> list[Option]:
     declared = derived_declarations(cls)
 
     def option(name: str, ratio: str) -> Option:
-        limits = Bounds(-LONGEST, LONGEST, "m", declared[name].meaning)
+        limits = Bounds(-LONGEST_LENGTH, LONGEST_LENGTH, "m", declared[name].meaning)
         text = f"{limits.meaning}; in place of {flag(ratio)}"
         return Option(name, float, text, "M", panel, lambda text: read(text, name, limits))
 

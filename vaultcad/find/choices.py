@@ -21,7 +21,7 @@ from families import PROFILES, Profile, Vault
 from families.declaration.constraints import Constraint
 from families.declaration.profiles import as_kind
 from vaultcad.find.identity import is_its_family
-from vaultcad.find.likelihood import GAIN, STEPS, Field
+from vaultcad.find.likelihood import FIT_STEPS, GAIN, Field
 from vaultcad.find.practice import log_prior
 from vaultcad.find.recognise import turned_over
 from vaultcad.find.refine import Refined, settled
@@ -35,7 +35,7 @@ Kinds = tuple[type[Profile], ...]
 CLEARLY = 3.0  # times as likely: then constraints are others than the fit's
 SLIGHT = 1e-3  # chance below which a choice is forgotten
 UNLIKELY = 4.0  # by which a score is below the best where what is next to it is not tried
-MOST = 8  # choices next to which others are tried
+MOST_CHOICES = 8  # choices next to which others are tried
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ class _ChoiceSearch:
         while True:
             top = max((one.score for one in self.fitted.values()), default=0.0)
             fresh = [k for k, one in self.fitted.items() if k not in seen and one.score > top - UNLIKELY]
-            if not fresh or len(seen) == MOST:
+            if not fresh or len(seen) == MOST_CHOICES:
                 return
             best = max(fresh, key=lambda k: self.fitted[k].score)
             seen.add(best)
@@ -158,7 +158,7 @@ class _ChoiceSearch:
             return
         begun, moved = replace(start, vault=self.demands.begun(vault)), self.moved
         free = self.demands.freedom(begun.vault, kept)
-        solution = moved.evidence.solve(begun, free, (moved.scale,), most=STEPS, gain=GAIN)
+        solution = moved.evidence.solve(begun, free, (moved.scale,), most=FIT_STEPS, gain=GAIN)
         fitted = solution.placed.vault
         if is_its_family(fitted) and self.demands.met(fitted) and moved.near(solution):
             score = moved.log_likelihood(solution) + log_prior(fitted, kept)

@@ -9,7 +9,7 @@ from typing import Any
 from families import Dome, Elliptical, Groin, Lunette, Mirror, Stilted, Vault
 
 PLANE = 0.1  # a mirror's plane is at least this share of the shorter span, else it is a trough
-LEVEL = 0.8  # the lower barrel of a groin vault rises to this share of the higher, else it is a row of lunettes
+LEVEL_GROIN = 0.8  # the lower barrel of a groin vault rises to this share of the higher, else it is a row of lunettes
 CROWN = 0.95  # lunettes stay below this share of their barrel's rise, else they are groin vaults in a row
 CREASE = 8.0  # degrees between a dome and its pendentives at the ring, else they are one sphere: a sail
 STEEP = 0.9  # rise / span above which nobody draws an ellipse or stilts an arch: the rest of it is wall
@@ -38,7 +38,7 @@ def _mirror(vault: Mirror) -> bool:
 
 def _groin(vault: Groin) -> bool:
     """Its barrels are about equally high."""
-    return min(vault.rise_x, vault.rise_y) >= LEVEL * max(vault.rise_x, vault.rise_y)
+    return min(vault.rise_x, vault.rise_y) >= LEVEL_GROIN * max(vault.rise_x, vault.rise_y)
 
 
 def _lunette(vault: Lunette) -> bool:

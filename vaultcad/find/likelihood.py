@@ -33,12 +33,12 @@ from vaultcad.fit.uncertainty import slopes_of_sizes
 
 Array = NDArray[np.float64]
 
-FEW = 3_000  # points that choices are fitted to
-STEPS, GAIN = 12, 1e-4  # of their fits at most, and the share of the cost that one must still gain
+CHOICE_POINTS = 3_000  # points that choices are fitted to
+FIT_STEPS, GAIN = 12, 1e-4  # of their fits at most, and the share of the cost that one must still gain
 NARROWEST = 0.02  # m, scale of their loss
 EDGE, EDGE_SHARE = 0.3, 0.08  # m, and share of the shorter side: stone so near to an edge is rounded, plastered, hidden
 FAR, FEW_FAR = 0.06, 0.02  # m off a fit that is far, and the share of the blocks that may be
-WIDE = 0.015  # of a ratio, to either side, over which distances are compared
+RATIO_STEP = 0.015  # of a ratio, to either side, over which distances are compared
 DOUBT = 1.4  # log likelihoods are divided by this, as no settlement is quite such a field
 ENOUGH = 40  # blocks without which nothing is said
 NEVER = 1e-3  # chance that a parameter is within its range at the least
@@ -64,7 +64,7 @@ class Field:
     def of(cls, refined: Refined, rng: np.random.Generator) -> Self | None:
         """With the points that a fit rests on and that lie near it, but for those near edges; None if few are left."""
         placed, whole = refined.placed, refined.evidence
-        some = np.sort(rng.permutation(len(whole.points))[:FEW])
+        some = np.sort(rng.permutation(len(whole.points))[:CHOICE_POINTS])
         evidence = replace(whole, points=whole.points[some], weights=whole.weights[some])
         scale = float(np.clip(4 * refined.scatter, NARROWEST, WIDEST))
         residuals = placed.distance(evidence.points)
@@ -125,7 +125,7 @@ class Field:
             if isinstance(vault, Dome) or not shapes_an_arch(vault, name):
                 continue
             low, high = parameters[name].range.low, parameters[name].range.high
-            ends = [min(max(values[name] + side * WIDE, low), high) for side in (-1, 1)]
+            ends = [min(max(values[name] + side * RATIO_STEP, low), high) for side in (-1, 1)]
             vaults = [solution.free.settled(vault, {name: end}) for end in ends]
             rises = [end.derived_values()["rise"] - vault.derived_values()["rise"] for end in vaults]
             if rises[0] == rises[1]:

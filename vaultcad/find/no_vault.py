@@ -24,7 +24,7 @@ Mask = NDArray[np.bool_]
 
 EXPLAINED = 0.65  # share of what hangs over the springing that a vault must explain
 ALIGNED = 0.8  # cosine between the normals of scan and model where a point is explained
-MOST, LEVEL = (0.1, 0.9), 0.02  # most of a ceiling, and its rise / shorter side below which it is level
+MOST, LEVEL_CEILING = (0.1, 0.9), 0.02  # most of a ceiling, and its rise / shorter side below which it is level
 FLAT = 0.05  # rise / shorter side of the plan below which a ceiling is no vault
 ROUGH = 0.03, 0.005  # m, and share of its rise or half span, that the stone of a vault is off it at most (rms)
 LOW = 0.15  # rise / shorter side below which a rise has to be known
@@ -59,7 +59,7 @@ def check(refined: Refined, site: Site, tolerance: float) -> None:
     above = inside & (local[:, 2] > 0) & (np.abs(site.normals[:, 2]) > STEEP)
     rise, short = vault.derived_values()["rise"], 2 * min(plan.half_x, plan.half_y)
     spread = float(np.ptp(np.quantile(local[above, 2], MOST))) if above.any() else 0.0
-    if rise < FLAT * short or spread < LEVEL * short:
+    if rise < FLAT * short or spread < LEVEL_CEILING * short:
         raise NoVaultError(
             f"no vault found: the best model rises {rise:.2f} m, most of the ceiling {spread:.2f} m, which is flat; "
             "crop the scan to one bay"

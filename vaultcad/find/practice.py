@@ -16,7 +16,7 @@ from vaultcad.fit.solve import POSE, Solution
 Array = NDArray[np.float64]
 
 KEPT = 0.8  # how often a constraint holds that seldom fails; of the others every second does
-ALIKE = 2.0  # by so much likelier are arches of one kind in both directions
+ALIKE_ARCHES = 2.0  # by so much likelier are arches of one kind in both directions
 KNOWN = {"x": 1.0, "y": 1.0, "z": 3.0, "yaw": 0.1}  # m, rad; standard deviation of the pose beforehand
 HELD = 1e12  # inverse variance of a part of the pose that a user fixed
 
@@ -54,7 +54,7 @@ def log_prior(vault: Vault, kept: Iterable[Constraint]) -> float:
     arches = vault.profiles
     kinds = sum(log(PRACTICE[type(arch)].share) for arch in arches.values())
     if {"profile_x", "profile_y"} <= set(arches) and type(arches["profile_x"]) is type(arches["profile_y"]):
-        kinds += log(ALIKE)
+        kinds += log(ALIKE_ARCHES)
     return kinds + sum(log(KEPT if c.name in held else 1 - KEPT) for c in vault.constraints if c.rare)
 
 

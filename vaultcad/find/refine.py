@@ -19,7 +19,7 @@ from vaultcad.fit.uncertainty import loosened
 from vaultcad.survey.thinned_scan import Site
 
 Array = NDArray[np.float64]
-FEW, POINTS = 5_000, 20_000  # to choose what is free, and to fit that
+FREEDOM_POINTS, FIT_POINTS = 5_000, 20_000  # to choose what is free, and to fit that
 LAST = 1e-9  # share of the cost that a step of the last fit must still gain
 TIGHTEST, WIDEST = 0.004, 0.05  # m, limits of the last loss
 FAINT = 1e-4  # of the cost
@@ -64,7 +64,7 @@ def refine(winner: Hypothesis, site: Site, rng: np.random.Generator, *, demands:
     start = winner.solution.placed
     if RECTANGLE.name in demands.freed:
         start = replace(start, vault=replace(start.vault, skew=Skew()))
-    fit = _Fit(Evidence.draw(site, FEW, rng, demands, about=[start]), demands)
+    fit = _Fit(Evidence.draw(site, FREEDOM_POINTS, rng, demands, about=[start]), demands)
     best = fit(start, winner.kept)
     for constraint in demands.keepable(start.vault):
         trial = fit(*turned_over(best.placed, best.kept, constraint))
@@ -75,7 +75,7 @@ def refine(winner: Hypothesis, site: Site, rng: np.random.Generator, *, demands:
             best = less if fit.gain(more, less) > price else more
     # What is reported are the deviations of the vault's points: walls only help, and what is seen well counts more.
     weights = np.where(site.weights < 1, WALLS, 1.0) * np.sqrt(site.counts)
-    evidence = Evidence.draw(site, POINTS, rng, demands, weights=weights)
+    evidence = Evidence.draw(site, FIT_POINTS, rng, demands, weights=weights)
     return settled(best.placed, best.kept, evidence, best.scatter, demands)
 
 

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 ENDS = 0.06  # share of the evidence that the ends of the stone have where there are no walls
 BELOW = 0.1  # m; a springing lower than this and two points under the lowest point is a guess
-NEAR = 0.15  # m; what is farther from every hypothesis is clutter, and says nothing for or against one
+NEAR_HYPOTHESES = 0.15  # m; what is farther from every hypothesis is clutter, and says nothing for or against one
 INDEPENDENT = 100
 """Residuals of a vault that say something new. Settlement comes in waves as long as the vault is wide, so their number
 hangs neither on its size nor on how many points were scanned; found with virtual scans, see `bench/rooms.py`."""
@@ -53,7 +53,7 @@ class Evidence:
         """
         weights = site.weights if weights is None else weights
         distances = [np.abs(placed.distance(site.points)) for placed in about]
-        kept = np.flatnonzero(np.min(distances, axis=0) < NEAR) if distances else np.arange(len(site.points))
+        kept = np.flatnonzero(np.min(distances, axis=0) < NEAR_HYPOTHESES) if distances else np.arange(len(site.points))
         k = np.sort(rng.permutation(kept)[:count])
         points, weights = site.points[k], weights[k]
         if len(site.ends):  # they tie the plan to where the stone ends, as walls would

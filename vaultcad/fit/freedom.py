@@ -10,12 +10,12 @@ from families.declaration.constraints import Constraint
 from families.declaration.lengths import RATIOS
 from families.declaration.profiles import as_kind
 
-EXACT = 1e-6  # of sizes that are fixed
+EXACT_SIZE = 1e-6  # of sizes that are fixed
 Tie = Callable[[Vault], Mapping[str, float]]
 
 DECIDES: dict[str, dict[str, str]] = {**RATIOS, "dome": {**RATIOS["dome"], "rise": "drum_ratio"}}
 """Family -> derived length -> the one parameter that decides it in a fit; each is monotonic in that."""
-LEVEL = {("groin", "rise")}
+LEVEL_CROWNS = {("groin", "rise")}
 """Family and length that is the rise of both its barrels, the crown being level."""
 
 SPRINGING = Constraint("springing", "the springing is no lower than the lowest stone that the scan shows")
@@ -67,7 +67,11 @@ class Demands:
         """The sizes in terms that each hang on one parameter of a family."""
         found: dict[str, float] = {}
         for name, value in self.sizes.items():
-            found |= {"rise_x": value, "rise_y": value, "crown_rise": 0.0} if (family, name) in LEVEL else {name: value}
+            found |= (
+                {"rise_x": value, "rise_y": value, "crown_rise": 0.0}
+                if (family, name) in LEVEL_CROWNS
+                else {name: value}
+            )
         return found
 
     def suits(self, vault: Vault) -> bool:
@@ -104,7 +108,7 @@ class Demands:
     def met(self, vault: Vault) -> bool:
         """Whether the sizes of a vault are those that are fixed."""
         made = {**vault.derived_values(), **vault.values()}
-        return all(abs(made[name] - value) < EXACT for name, value in self.sizes.items())
+        return all(abs(made[name] - value) < EXACT_SIZE for name, value in self.sizes.items())
 
     def freedom(self, vault: Vault, kept: Sequence[Constraint] = ()) -> Freedom:
         """All that may move while the constraints are kept."""

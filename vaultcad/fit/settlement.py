@@ -20,7 +20,7 @@ from vaultcad.fit.solve import Placed, Solution
 
 Array = NDArray[np.float64]
 
-MOST = 300  # blocks: fewer blur the field, more cost time
+MOST_BLOCKS = 300  # blocks: fewer blur the field, more cost time
 FINEST, COARSER = 0.3, 1.1  # m, edge of the smallest blocks, and by how much they grow until there are few enough
 OUTLIER = 4.0  # scatters of the residuals beyond which a block is not of the vault
 SCATTERS = (0.001, 0.0125)  # m, limits of that scatter
@@ -120,7 +120,7 @@ def _blocks(local: Array, face: NDArray[np.int64]) -> NDArray[np.int64]:
         size = cell.max(axis=0, initial=0) + 1
         key = ((face * size[0] + cell[:, 0]) * size[1] + cell[:, 1]) * size[2] + cell[:, 2]
         found, block = np.unique(key, return_inverse=True)
-        if len(found) <= MOST:
+        if len(found) <= MOST_BLOCKS:
             return np.asarray(block.ravel(), np.int64)
         edge *= COARSER
 

@@ -15,9 +15,9 @@ from vaultcad.model import Pose
 
 Array = NDArray[np.float64]
 POSE = ("x", "y", "z", "yaw")
-STEP = 1e-6  # of finite differences; lengths are metres, ratios and angles of the same order
+DIFFERENCE = 1e-6  # of finite differences; lengths are metres, ratios and angles of the same order
 MARGIN = 1e-9
-LONGEST = 0.5  # m, rad or 1: no step goes farther, however flat the cost
+LONGEST_STEP = 0.5  # m, rad or 1: no step goes farther, however flat the cost
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool
     h = hessian[np.ix_(free, free)]
     diagonal = np.diag(h) + 1e-12 * max(float(np.diag(h).max(initial=0.0)), 1e-12)
     step[free] = -np.linalg.solve(h + np.diag(damping * diagonal + 1e-15), gradient[free])
-    return np.clip(step, -LONGEST, LONGEST)
+    return np.clip(step, -LONGEST_STEP, LONGEST_STEP)
 
 
 def _jacobian(start: Placed, free: Freedom, x: Array, high: Array, points: Array) -> Array:
@@ -139,7 +139,7 @@ def _jacobian(start: Placed, free: Freedom, x: Array, high: Array, points: Array
     jacobian[:, 3] = normal[:, 0] * (points[:, 1] - x[1]) - normal[:, 1] * (points[:, 0] - x[0])
     jacobian[:, [k for k, name in enumerate(POSE) if name in free.pose]] = 0
     for k in range(len(POSE), len(x)):
-        step = STEP if x[k] + STEP <= high[k] else -STEP
+        step = DIFFERENCE if x[k] + DIFFERENCE <= high[k] else -DIFFERENCE
         moved = x.copy()
         moved[k] += step
         jacobian[:, k] = moves(_placed(start, free, moved)) / step

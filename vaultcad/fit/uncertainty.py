@@ -16,7 +16,7 @@ from vaultcad.model import Covariance
 
 Array = NDArray[np.float64]
 
-STEP = 1e-6  # of finite differences
+DIFFERENCE = 1e-6  # of finite differences
 VAGUE = 1e-8  # weight of a parameter's range against the points, share of the largest
 
 
@@ -128,6 +128,6 @@ def _moved(solution: Solution) -> Iterator[tuple[int, tuple[Vault, Vault], float
     vault = solution.placed.vault
     values, ranges = vault.values(), {p.name: p.range for p in vault.parameters()}
     for k, name in enumerate(solution.names[len(POSE) :], len(POSE)):
-        low, high = max(values[name] - STEP, ranges[name].low), min(values[name] + STEP, ranges[name].high)
+        low, high = max(values[name] - DIFFERENCE, ranges[name].low), min(values[name] + DIFFERENCE, ranges[name].high)
         less, more = (solution.free.settled(vault, {name: value}) for value in (low, high))
         yield k, (less, more), high - low

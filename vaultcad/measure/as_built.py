@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 KNOTS = 0.9  # m, least distance of the knots: a settlement is smoother, a stone or a joint is not the vault's shape
-MOST = 9  # spans of knots along an axis at the most
+MOST_SPANS = 9  # spans of knots along an axis at the most
 SMOOTH = 0.02  # weight of the second differences of the coefficients against one point a knot
 
 
@@ -47,7 +47,7 @@ def displacement(points: Array, normals: Array, distances: Array) -> Displacemen
     if len(points) == 0:
         raise ValueError("no points to take a displacement from")
     low, high = points.min(axis=0), points.max(axis=0)
-    spans = np.clip(np.floor((high - low) / KNOTS), 1, MOST).astype(int)
+    spans = np.clip(np.floor((high - low) / KNOTS), 1, MOST_SPANS).astype(int)
     step = np.maximum((high - low) / spans, 1e-6)
     shape = tuple((spans + 3).tolist())
     index, weight = _basis(points, low, step, shape)

@@ -15,7 +15,7 @@ from vaultcad.scanner.scan import VirtualScan, scan
 from vaultcad.scanner.settings import ScannerSettings
 
 Array = NDArray[np.float64]
-WALL = 0.5  # thickness of the wall between two rooms [m]
+PARTITION = 0.5  # thickness of the wall between two rooms [m]
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Bay:
     @property
     def half(self) -> Array:
         """(2,) of what belongs to the bay: the plan, and half of the arch or wall to the next [m]."""
-        wall = ARCH_DEPTH if self.settings.walls == "piers" else WALL
+        wall = ARCH_DEPTH if self.settings.walls == "piers" else PARTITION
         return np.array([self.vault.plan.half_x, self.vault.plan.half_y]) + wall / 2
 
 

@@ -22,8 +22,8 @@ from vaultcad.scanner.triangles import Triangles, box, join, plain, rectangle, s
 Array = NDArray[np.float64]
 
 TOLERANCE = 0.0006  # of the vault's mesh [m], as little as the noise of a good scanner
-LONGEST = 0.15  # edge [m], so that a mesh that is bent by the settlement stays about as smooth
-EXACT = 1e-5  # what the vertices of the mesh may be off [m]
+LONGEST_EDGE = 0.15  # edge [m], so that a mesh that is bent by the settlement stays about as smooth
+EXACT_VERTEX = 1e-5  # what the vertices of the mesh may be off [m]
 GAP = 0.0005  # of the walls behind the plan [m]: where a stilted vault runs up along a wall, the vault shows
 VAULT, WALL, FLOOR, DOOR = 0.65, 0.6, 0.3, 0.25  # reflectance
 REVEAL = 0.35  # depth of the jambs of doors and windows [m]
@@ -53,7 +53,7 @@ def build(vault: Vault, settings: ScannerSettings, stations: Array, rng: np.rand
     intrados = vault_triangles(vault)
     piers = settings.walls == "piers"
     shell = _on_piers(vault, settings, intrados) if piers else _on_walls(vault, settings, intrados, rng)
-    return join([intrados, split(join(shell), LONGEST), *furnish(vault, settings, stations, rng)])
+    return join([intrados, split(join(shell), LONGEST_EDGE), *furnish(vault, settings, stations, rng)])
 
 
 def vault_triangles(vault: Vault) -> Triangles:
@@ -67,13 +67,13 @@ def vault_triangles(vault: Vault) -> Triangles:
     ideal = mesh(vault, TOLERANCE)
     off = float(np.abs(vault.distance(ideal.vertices)).max())
     rim = ideal.vertices[_rim(ideal.triangles)].reshape(-1, 3)
-    in_wall = (np.abs(np.abs(rim[:, :2]) - (vault.plan.half_x, vault.plan.half_y)) < EXACT).any(1)
-    gap = not (in_wall | (np.abs(rim[:, 2]) < EXACT)).all()
-    if off > EXACT or gap:
+    in_wall = (np.abs(np.abs(rim[:, :2]) - (vault.plan.half_x, vault.plan.half_y)) < EXACT_VERTEX).any(1)
+    gap = not (in_wall | (np.abs(rim[:, 2]) < EXACT_VERTEX)).all()
+    if off > EXACT_VERTEX or gap:
         fault = "has a gap" if gap else f"leaves its numeric surface by {off:.4f} m"
         raise VaultcadError(f"the mesh of {vault} {fault}; change a size a little")
     bright = np.full(len(ideal.triangles), VAULT, np.float32)
-    return split(Triangles(ideal.vertices, ideal.triangles.astype(np.int64), ideal.component, bright), LONGEST)
+    return split(Triangles(ideal.vertices, ideal.triangles.astype(np.int64), ideal.component, bright), LONGEST_EDGE)
 
 
 def _rim(triangles: NDArray[np.integer]) -> NDArray[np.integer]:
@@ -193,7 +193,7 @@ def _top(mesh: Triangles) -> float:
 def _transverse_arch(intrados: Triangles, axis: int, sign: int, half: tuple[float, float]) -> Triangles:
     """Front and soffit of the arch between two bays: the vault's edge there, dropped, and drawn out of the plan."""
     xyz, rim = intrados.vertices, _rim(intrados.triangles)
-    in_wall = np.abs(xyz[:, axis] - sign * half[axis]) < EXACT
+    in_wall = np.abs(xyz[:, axis] - sign * half[axis]) < EXACT_VERTEX
     edges = rim[in_wall[rim].all(1)]
     edge = xyz[edges.reshape(-1)]
     dropped = edge * np.array([1, 1, 1 - ARCH_DROP / half[1 - axis]])

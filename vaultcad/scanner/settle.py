@@ -18,7 +18,7 @@ from vaultcad.scanner.waves import Waves, draw_waves
 Array = NDArray[np.float64]
 
 MODES = 5  # waves an axis: few, as settlement is smooth
-LONGEST = 3.0  # longest wave / shorter span
+LONGEST_WAVE = 3.0  # longest wave / shorter span
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +55,9 @@ def draw_settlement(
     short = 2 * min(half)
     spread = rng.uniform(1, 4, 3)
     waves = (
-        draw_waves(MODES, short, LONGEST * short, rng),
-        draw_waves(MODES, short, LONGEST * short, rng),
-        draw_waves(MODES, short, LONGEST * short, rng),
+        draw_waves(MODES, short, LONGEST_WAVE * short, rng),
+        draw_waves(MODES, short, LONGEST_WAVE * short, rng),
+        draw_waves(MODES, short, LONGEST_WAVE * short, rng),
     )
     unit = Settlement(half, float(vault[:, 2].max()), depth, spread, waves, 1.0)
     largest = float(np.linalg.norm(unit(vault), axis=1).max())

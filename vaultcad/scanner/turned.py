@@ -6,7 +6,7 @@ from math import pi
 
 from families import Dome, Groin, Mirror, Sail, Trough, Vault
 
-ALIKE = (Sail, Groin, Mirror)  # a quarter turn changes their x and y
+ALIKE_TURNED = (Sail, Groin, Mirror)  # a quarter turn changes their x and y
 ROUND = (Dome,)  # and nothing in these
 
 
@@ -22,9 +22,9 @@ def turned(vault: Vault, quarter: int) -> tuple[dict[str, float], dict[str, str]
     """
     sizes = {**vault.values(), **vault.derived_values()}
     profiles = vault.kinds
-    if quarter % 2 and not isinstance(vault, ALIKE + ROUND):
+    if quarter % 2 and not isinstance(vault, ALIKE_TURNED + ROUND):
         return None
-    if quarter % 2 and isinstance(vault, ALIKE):
+    if quarter % 2 and isinstance(vault, ALIKE_TURNED):
         sizes = {_exchanged(k, "x", "y"): v for k, v in sizes.items()}
         profiles = {_exchanged(k, "x", "y"): v for k, v in profiles.items()}
     if quarter == 2:

@@ -12,8 +12,8 @@ from vaultcad.survey.bays import Region
 from vaultcad.survey.thinned_scan import CHUNK, UPRIGHT, Thin, rectangle, turned
 
 FRONT = 1.2  # m; how far from the valley between two bays the front of the arch between them may stand
-STEP, STRIP = 0.03, 0.2  # m; bins of depth and along the edge where it is looked for
-SOFFIT, LEVEL = 0.12, 0.025  # m; depth of its soffit that must be so level
+DEPTH_STEP, STRIP = 0.03, 0.2  # m; bins of depth and along the edge where it is looked for
+SOFFIT, LEVEL_SOFFIT = 0.12, 0.025  # m; depth of its soffit that must be so level
 RISE, JUMP = 0.06, 0.05  # m; the ceiling must rise by so much so near behind it
 FACE = 0.04  # m; how far from its front the points of an arch lie
 
@@ -65,19 +65,21 @@ def _front(xyz: NDArray[np.floating], region: Region, axis: int, side: int) -> f
     middle, length = (region.low + region.high)[1 - axis] / 2, (region.high - region.low)[1 - axis]
     along = xy[:, 1 - axis] - middle
     near = (depth >= 0) & (depth < FRONT) & (np.abs(along) < length / 4)
-    strips, bins = int(length / 2 / STRIP) + 1, round(FRONT / STEP)
+    strips, bins = int(length / 2 / STRIP) + 1, round(FRONT / DEPTH_STEP)
     strip = ((along[near] + length / 4) / STRIP).astype(np.int64)
     height = np.full((strips, bins), -np.inf)
-    np.maximum.at(height, (strip, np.minimum(depth[near] / STEP, bins - 1).astype(np.int64)), xyz[near, 2])
+    np.maximum.at(height, (strip, np.minimum(depth[near] / DEPTH_STEP, bins - 1).astype(np.int64)), xyz[near, 2])
     # Where nothing of the ceiling was seen, the highest point is the floor's.
     height[height < height.max(axis=1, keepdims=True) - FRONT] = np.nan
-    run, rise = round(SOFFIT / STEP), round(RISE / STEP)
+    run, rise = round(SOFFIT / DEPTH_STEP), round(RISE / DEPTH_STEP)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of strips and bins without points
         level = np.nanmedian(height - np.nanmedian(height, axis=1)[:, None], axis=0)
     front = 0.0
     for k in range(run, bins - rise):
         soffit = level[k - run : k]
-        if np.ptp(soffit) < LEVEL and level[k + rise] - soffit.mean() > JUMP:  # never true of bins without points
-            front = k * STEP
+        if (
+            np.ptp(soffit) < LEVEL_SOFFIT and level[k + rise] - soffit.mean() > JUMP
+        ):  # never true of bins without points
+            front = k * DEPTH_STEP
     return front

@@ -20,7 +20,7 @@ SLOPE, NEIGHBOURS = 3.5, 3  # steepest ceiling; neighbours that a cell must go o
 NARROWEST = 1.0  # m, of a bay
 LEAST = 1.5  # m², of the ceiling over a bay
 GAP = 10.0  # m; how deep a gap counts
-WALL = 2  # cells beyond what hangs over a room that belong to it
+WALL_CELLS = 2  # cells beyond what hangs over a room that belong to it
 ROOMY = 200, 1 << 20  # cells of the grid that a point may have, and that any scan may have
 FULL = 0.4  # share of a bay's rectangle that has a ceiling, at least
 
@@ -131,8 +131,8 @@ class CeilingGrid:
             (columns,) = np.nonzero(share > SEEN * share.max())
             # Walls stand a little beyond what hangs over the room.
             for side, bare in ((0, columns[0]), (1, len(share) - 1 - columns[-1])):
-                if bare > WALL:
-                    (low, high)[side][axis] += (1, -1)[side] * (bare - WALL) * self.cell
+                if bare > WALL_CELLS:
+                    (low, high)[side][axis] += (1, -1)[side] * (bare - WALL_CELLS) * self.cell
         trimmed = replace(region, low=low, high=high)
         if (high - low).min() < NARROWEST or np.isfinite(self.within(trimmed)).mean() < FULL:
             return None

@@ -21,11 +21,11 @@ Array = NDArray[np.float64]
 
 STEEP = 0.25  # |nz| of what may be a wall; a scan that leans by more than some degrees is to be stood up first
 SCALES = (0.1, 0.05, 0.03)  # of n · up, beyond which a normal is rather a haunch's
-FEWEST = 300  # points of walls that tell a vertical
+FEWEST_ON_WALLS = 300  # points of walls that tell a vertical
 CROSSING = 0.05  # share of the normals' spread along the second direction: walls in one direction leave one tilt open
 FLOOR = 0.02  # m; half a layer of points that are a floor
 LEAST, ALONE = np.radians(0.2), np.radians(0.7)  # what is taken for upright, with and without a floor that says so too
-MOST = np.radians(8.0)  # more is no lean of a room
+LARGEST_LEAN = np.radians(8.0)  # more is no lean of a room
 AGREE, SAME = np.radians(0.7), np.radians(0.3)  # between walls and floor; a floor may slope by itself
 CHUNK = 1 << 20
 
@@ -90,7 +90,7 @@ def lean_of(thin: Thin) -> tuple[Lean | None, tuple[Note, ...]]:
             )
             return None, (Note("tilt", text),)
         up, least = (floor if apart < SAME else walls), LEAST
-    if _tilt(walls) >= MOST:
+    if _tilt(walls) >= LARGEST_LEAN:
         text = f"walls lean by {degrees(_tilt(walls)):.0f}°, more than rooms do: taken as it is; level the scan"
         return None, (Note("tilt", text),)
     if _tilt(walls) <= least or _tilt(up) == 0:
@@ -110,7 +110,7 @@ def _by_walls(normals: Array) -> Array | None:
     """The direction (3,) that wall normals are square to; None if there are too few, or in one direction only."""
     up = np.array([0.0, 0.0, 1.0])
     steep = normals[np.abs(normals[:, 2]) < STEEP]
-    if len(steep) < FEWEST:
+    if len(steep) < FEWEST_ON_WALLS:
         return None
     values = np.zeros(3)
     for scale in SCALES:
@@ -124,7 +124,7 @@ def _by_walls(normals: Array) -> Array | None:
 def _by_floor(thin: Thin) -> Array | None:
     """The normal (3,) of the floor, upwards; None if there is none."""
     points = thin.points[floor_of(thin.points, thin.normals)]
-    if len(points) < FEWEST:
+    if len(points) < FEWEST_ON_WALLS:
         return None
     weight = np.ones(len(points))
     up = np.array([0.0, 0.0, 1.0])

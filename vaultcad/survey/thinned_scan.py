@@ -16,19 +16,20 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Real = TypeVar("Real", bound=np.floating)
 SMALL = 0.3  # m; what stands above the floor is no vault if it is flatter than this along any axis
-FEWEST = 1000  # points of a scan
-LONGEST = 20_000.0  # m, of a scan; neither a building nor what the cells of a grid can number
+FEWEST_POINTS = 1000  # points of a scan
+LONGEST_SCAN = 20_000.0  # m, of a scan; neither a building nor what the cells of a grid can number
 FEWEST_PLACES = 100  # of them, once they are thinned
 LOOKED_AT, AROUND = 1000, 8  # points at which the spacing is measured, and how many neighbours tell it
 CHUNK = 1 << 20  # points of the scan that are looked at together
 CELL, CELLS = 0.004, (0.02, 0.08)  # thinning, as a share of the scan's diagonal, and its limits in metres
 UPRIGHT = 0.1  # |nz| of a wall at the most, where haunches must not be taken for one
-WALL = 0.5  # m, height of plane wall along all of a side that makes it a wall
+WALL_HEIGHT = 0.5  # m, height of plane wall along all of a side that makes it a wall
 SPREAD = 0.25, 0.5  # m, and the share of a side's strips of that width that a wall must show in, as piers do not
 STEEP = 0.3  # |nz| below which a point weighs as a wall
-LEVEL = 0.9  # |nz| of a floor at the least
+FLOOR_NORMAL = 0.9  # |nz| of a floor at the least
 PEAK = 5.0  # how far the most frequent direction of the walls must stand above the middling one
-RIM, STRIP, FEW = 0.3, 0.1, 12  # m, depth and width of the strips where the end of the stone is looked for; points
+# m, depth and width of the strips where the end of the stone is looked for; points
+RIM, STRIP, STRIP_POINTS = 0.3, 0.1, 12
 BIN = 0.03  # m, of the histograms along the plan's axes
 
 
@@ -106,12 +107,12 @@ def thin_scan(cloud: Cloud) -> Thin:
     from segmentation.normals import estimate
     from segmentation.voxel import thin
 
-    if len(cloud) < FEWEST:
-        raise NoVaultError(f"no vault found: the scan has {len(cloud)} points; at least {FEWEST} are needed")
+    if len(cloud) < FEWEST_POINTS:
+        raise NoVaultError(f"no vault found: the scan has {len(cloud)} points; at least {FEWEST_POINTS} are needed")
     size = float(np.linalg.norm(np.ptp(cloud.xyz, axis=0).astype(np.float64)))
     if size == 0:
         raise NoVaultError("no vault found: all points of the scan are one and the same")
-    if size > LONGEST:
+    if size > LONGEST_SCAN:
         raise NoVaultError(f"no vault found: the scan is {size / 1000:,.0f} km long; crop it to one building")
     voxel = float(np.clip(CELL * size, *CELLS))
     thinned = thin(cloud.xyz, voxel)
@@ -181,7 +182,7 @@ def turned(xy: NDArray[Real], yaw: float) -> NDArray[Real]:
 def floor_of(points: Array, normals: Array) -> NDArray[np.bool_]:
     """Level points of the lowest level that holds a good share of all level points, and all below it."""
     z = points[:, 2]
-    level = np.abs(normals[:, 2]) > LEVEL
+    level = np.abs(normals[:, 2]) > FLOOR_NORMAL
     if level.sum() < 50:
         return np.zeros(len(z), bool)
     low, high = np.quantile(z, [0.001, 0.999])
@@ -239,7 +240,7 @@ def rectangle(
         counts = np.histogram(xy[wall, axis], bins=edges)[0].astype(float)
         counts = counts + np.roll(counts, 1)  # a wall may straddle two bins
         length = float(np.quantile(xy[:, 1 - axis], 0.998) - np.quantile(xy[:, 1 - axis], 0.002))
-        enough = max(0.25 * counts.max(initial=0.0), WALL * length / spacing**2)
+        enough = max(0.25 * counts.max(initial=0.0), WALL_HEIGHT * length / spacing**2)
         strong = np.flatnonzero(counts >= enough)
         middle = ends.mean()
         for side, corner in ((0, low), (1, high)):
@@ -277,7 +278,7 @@ def _ends(xyz: NDArray[np.floating], site: Site) -> Array:
         strip = np.floor(along / STRIP).astype(np.int64)
         order = np.lexsort((depth, strip))
         _, first, count = np.unique(strip[order], return_index=True, return_counts=True)
-        for k in first[count >= FEW]:
+        for k in first[count >= STRIP_POINTS]:
             outer = order[k : k + 4]
             d = depth[outer]
             xy = np.empty(2)

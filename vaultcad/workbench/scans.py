@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 FINEST = 0.01  # m, cells of the points that are shown
 SHOWN = 100_000  # points at the most
-WALL, DEEP = 0.5, 20.0  # m around and under a vault that belong to its bay
-FEW, UNSURE = 0.5, 0.8  # shares below which coverage and confidence are pointed out
+BAY_WALL, DEEP = 0.5, 20.0  # m around and under a vault that belong to its bay
+LOW_COVERAGE, LOW_CONFIDENCE = 0.5, 0.8  # shares below which coverage and confidence are pointed out
 
 
 def read(request: Request) -> dict[str, Any]:
@@ -91,8 +91,8 @@ def flags(vault: Any) -> list[str]:
     """What a user should look at before the fit is used; vault: a FittedVault."""
     found = {
         "the fit did not settle": not vault.converged,
-        f"only {vault.coverage:.0%} of the intrados was seen": vault.coverage < FEW,
-        f"the family is not certain ({vault.confidence:.0%})": vault.confidence < UNSURE,
+        f"only {vault.coverage:.0%} of the intrados was seen": vault.coverage < LOW_COVERAGE,
+        f"the family is not certain ({vault.confidence:.0%})": vault.confidence < LOW_CONFIDENCE,
     }
     unsure = [f"{name.replace('_', ' ')}: {kinds}" for name, kinds in vault.arches.items() if " or " in kinds]
     return [*(text for text, holds in found.items() if holds), *unsure]
@@ -100,8 +100,8 @@ def flags(vault: Any) -> list[str]:
 
 def bay(vault: Any) -> dict[str, Any]:
     """The box of a vault with its walls, as `fit` takes one; vault: a FittedVault."""
-    half = np.array([vault.vault.plan.half_x, vault.vault.plan.half_y]) + WALL
-    top = vault.vault.derived_values()["rise"] + WALL
+    half = np.array([vault.vault.plan.half_x, vault.vault.plan.half_y]) + BAY_WALL
+    top = vault.vault.derived_values()["rise"] + BAY_WALL
     return {"frame": vault.pose.frame().tolist(), "low": [*-half, -DEEP], "high": [*half, top]}
 
 
