@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import unicodedata
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
+from families.declaration.corners import Skew
 from families.declaration.lengths import RATIOS, with_lengths
 from families.declaration.profiles import PROFILES, Profile
-from families.declaration.vault import Vault
+from families.declaration.vault import SCHEMA, Vault
 from families.kinds.barrel import Barrel
 from families.kinds.dome import Dome
 from families.kinds.groin import Groin
@@ -16,6 +19,7 @@ from families.kinds.mirror import Mirror
 from families.kinds.sail import Sail
 from families.kinds.trough import Trough
 
+SKEWS = tuple(Skew().values())
 FAMILIES: tuple[type[Vault], ...] = (Sail, Barrel, Lunette, Trough, Mirror, Groin, Dome)
 
 
@@ -68,6 +72,39 @@ def ideal(name: str, /, **parameters: Any) -> Vault:
     vault = vault.replaced({key: value for key, value in parameters.items() if key not in ratios})
     lengths = {key: value for key, value in parameters.items() if key in ratios}
     return with_lengths(vault, lengths) if lengths else vault
+
+
+def from_plain(told: Mapping[str, Any]) -> Vault:
+    """The vault that `Vault.plain` tells of.
+
+    Raises:
+        ValueError: an unknown name, or a value of another kind or outside its range; names it, and what there is.
+    """
+    if told.get("schema", SCHEMA) != SCHEMA:
+        raise ValueError(f"schema = {told['schema']!r} of a vault is not known; this version writes {SCHEMA}")
+    if not isinstance(told.get("family"), str):
+        raise ValueError(f"family = {told.get('family')!r} is no name; there are {', '.join(c.id for c in FAMILIES)}")
+    vault = family(told["family"])()
+    known = vault.kinds
+    for name, kind in _table(told, "profiles").items():
+        if name not in known:
+            raise ValueError(f"a {vault.title} has no profile {name!r}; it has {', '.join(known) or 'none'}")
+        if known[name] != kind:  # the family's own keeps its own numbers
+            vault = vault.with_arches({name: _arch(name, kind)})
+    parameters = _table(told, "parameters")
+    if any(name in parameters for name in SKEWS):
+        vault = replace(vault, skew=Skew())
+    for name, value in parameters.items():
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ValueError(f"{name} = {value!r} is no number")
+    return vault.replaced(parameters)
+
+
+def _table(told: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    found = told.get(name, {})
+    if not isinstance(found, Mapping):
+        raise ValueError(f"{name} = {found!r} is no table of names and values")
+    return found
 
 
 def _arch(field: str, kind: object) -> Profile:

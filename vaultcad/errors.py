@@ -15,5 +15,9 @@ class ExportError(VaultcadError):
     """A file could not be written, or did not read back as what was meant."""
 
 
+class ModelFileError(VaultcadError):
+    """A model.json that cannot be read, or an edit in it that cannot be."""
+
+
 class MissingLibraryError(VaultcadError):
     """A library of the stack, or a system library under it, is missing or broken."""

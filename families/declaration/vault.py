@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from families.void.sampling import Sample
 
+SCHEMA = 1  # of a vault as plain values
 IDENTITY = np.eye(3, 4)
 CHUNK = 1 << 17  # points that a thread takes at once
 Found = TypeVar("Found")
@@ -108,6 +109,24 @@ class Vault(Parametric):
     def kinds(self) -> dict[str, str]:
         """The ids of their kinds, likewise."""
         return {name: arch.id for name, arch in self.profiles.items()}
+
+    def plain(self) -> dict[str, Any]:
+        """The whole vault as plain values, ready for JSON; `from_plain` reads it."""
+        return {"schema": SCHEMA, "family": self.id, "profiles": self.kinds, "parameters": self.values()}
+
+    @classmethod
+    def from_plain(cls, told: Mapping[str, Any]) -> Self:
+        """The vault that `plain` tells of; profiles and parameters that are left out are as in an ideal one.
+
+        Raises:
+            ValueError: an unknown name, a value of another kind or outside its range, or a vault of another class.
+        """
+        from families import catalogue
+
+        vault = catalogue.from_plain(told)
+        if not isinstance(vault, cls):
+            raise ValueError(f"family = {told['family']!r} is no {cls.title}")
+        return vault
 
     @property
     def straight(self) -> Self:

@@ -19,10 +19,9 @@ from families import (
     Semicircular,
     Stilted,
     Trough,
-    brep,
-    kernel,
 )
 from families.declaration.vault import IDENTITY
+from families.solid import brep
 from families.solid.barrel_faces import webs
 from families.solid.barrel_slopes import Slope, forget, groin, turning
 from families.solid.body import inside
@@ -33,6 +32,7 @@ from families.solid.occ.shapes import faces, is_sound, volume
 from families.solid.plan_cells import Cell
 from families.solid.plane_regions import area, regions
 from families.solid.surfaces import Flat
+from families.void import kernel
 from families.void.profile_outline import Bow
 
 T = 0.15

@@ -27,11 +27,11 @@ from families import (
     Segmental,
     Stilted,
     Trough,
-    brep,
-    shapes,
 )
 from families.declaration.palette import colour
+from families.solid import brep
 from families.solid.mesh import mesh, mesh_solid
+from families.solid.occ import shapes
 from families.void.sampling import sample
 
 Align = build123d.Align

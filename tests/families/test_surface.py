@@ -19,8 +19,8 @@ from families import (
     Stilted,
     Trough,
     Vault,
-    kernel,
 )
+from families.void import kernel
 from families.void.sampling import sample
 
 # The height of each family's intrados over its plan, written down anew from the textbook formulas.

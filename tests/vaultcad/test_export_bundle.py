@@ -11,7 +11,16 @@ from vaultcad.export import bundle
 from vaultcad.export.bundle import write_all
 from vaultcad.export.folder import MARKER
 
-NAMES = {"report.json", "report.html", "model.step", "model.ifc", "model.glb", "model.wld", "segments.laz"}
+NAMES = {
+    "report.json",
+    "model.json",
+    "report.html",
+    "model.step",
+    "model.ifc",
+    "model.glb",
+    "model.wld",
+    "segments.laz",
+}
 
 
 def segments(path):

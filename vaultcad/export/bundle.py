@@ -23,15 +23,18 @@ from vaultcad.export.review import write_review
 from vaultcad.export.step import write_step
 from vaultcad.export.world import write_world
 from vaultcad.model import Model
+from vaultcad.model_file import write_model
 
 SEGMENTS = "segments.laz"
 PAGE = "report.html"
+TOLD = (REPORT, "model.json")
 REVIEW = "review.png"
 WRITERS: dict[str, Callable[[Model, Path], None]] = {
     "model.step": write_step,
     "model.ifc": write_ifc,
     "model.glb": write_glb,
     "model.wld": write_world,
+    "model.json": write_model,
     PAGE: write_report_html,
     REPORT: write_report_json,
 }
@@ -98,8 +101,8 @@ def write_all(
         for name, write in writers.items():
             progress(name)
             with writing(out / name):
-                # The report tells what was fitted; what is drawn has to be built.
-                write(replace(model, notes=solids.notes) if name == REPORT else solids, place.part / name)
+                # These tell what was fitted; what is drawn has to be built.
+                write(replace(model, notes=solids.notes) if name in TOLD else solids, place.part / name)
         progress(SEGMENTS)
         with writing(out / SEGMENTS):
             labelled.result()

@@ -11,13 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from families import Vault, family, profile
+from families import Vault
 from vaultcad.scanner.settings import ScannerSettings
 
 if TYPE_CHECKING:
     from vaultcad.scanner.scan import VirtualScan
-
-SCHEMA = 1
 
 
 def case(
@@ -31,10 +29,7 @@ def case(
     """
     x, y, floor = settings.origin
     return {
-        "schema": SCHEMA,
-        "family": vault.id,
-        "parameters": vault.values(),
-        "profiles": vault.kinds,
+        **vault.plain(),
         "derived": vault.derived_values(),
         "components": list(vault.components),
         "pose": {"origin": [x, y, floor + settings.wall_height], "yaw_deg": degrees(settings.yaw)},
@@ -47,8 +42,7 @@ def case(
 
 def vault_of(truth: dict[str, Any]) -> Vault:
     """The vault that a `case` describes."""
-    profiles = {name: profile(kind)() for name, kind in truth["profiles"].items()}
-    return family(truth["family"])().with_arches(profiles).replaced(truth["parameters"])
+    return Vault.from_plain(truth)
 
 
 def truth_path(path: Path) -> Path:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
@@ -59,25 +58,6 @@ def declared(cls: type[Vault]) -> dict[str, Any]:
         "parameters": parameters,
         "sizes": sizes,
     }
-
-
-def vault_of(family: str, profiles: Mapping[str, str], parameters: Mapping[str, float]) -> Vault:
-    """The vault of a family's name, the ids of its profiles by field, and its parameters by their flat names.
-
-    Raises:
-        ValueError: an unknown name, or a value outside its range.
-    """
-    from families import family as named
-    from families import profile
-
-    vault = named(family)()
-    known = vault.kinds
-    for name, kind in profiles.items():
-        if name not in known:
-            raise ValueError(f"a {vault.title} has no profile {name!r}; it has {', '.join(known) or 'none'}")
-        if known[name] != kind:
-            vault = vault.with_arches({name: profile(kind)()})
-    return vault.replaced(parameters)
 
 
 def _choice(vault: Vault, name: str, default: Profile) -> dict[str, Any]:

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vaultcad.workbench.measured import fitted_vault
+from vaultcad.model_file import fitted_vault
 
 if TYPE_CHECKING:
     from vaultcad.workbench.protocol import Request
 
 THICKNESS = 0.15  # m, of a vault that is shown as a surface
+OWN = ("thickness", "label")  # what the document says of a vault
 
 
 def export(request: Request) -> dict[str, Any]:
@@ -43,7 +44,7 @@ def export(request: Request) -> dict[str, Any]:
     try:
         vaults = tuple(
             replace(
-                fitted_vault(plain),
+                fitted_vault({name: value for name, value in plain.items() if name not in OWN}),
                 thickness=float(plain.get("thickness", 0)) or THICKNESS,
                 label=str(plain.get("label", "")),
             )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 import numpy as np
 
 from families.declaration.units import MM
-from vaultcad.workbench.measured import told
+from vaultcad.model_file import plain_vault
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -70,7 +70,7 @@ def fit(request: Request) -> dict[str, Any]:
     several = len(result.model.vaults) > 1
     return {
         "vaults": [
-            {**told(vault), "flags": flags(vault), "bay": bay(vault) if several else None}
+            {**plain_vault(vault), "flags": flags(vault), "bay": bay(vault) if several else None}
             for vault in result.model.vaults
         ],
         **_told(cloud, thinned),

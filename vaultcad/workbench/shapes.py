@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vaultcad.workbench.declarations import vault_of
-
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
 
@@ -21,11 +19,13 @@ def build(request: Request) -> dict[str, Any]:
     a parameter. Told: `faces`, the component of each face in the order of the file; `colours` by component; the
     `parameters`, and the `sizes` that follow from them [m, rad].
     """
+    from families import Vault as Base
     from families.declaration.lengths import with_lengths
     from families.declaration.palette import colour
     from segmentation.io.whole import replacing
 
-    vault = vault_of(request.text("family"), request.texts("profiles"), request.numbers("parameters"))
+    plain = {"profiles": request.texts("profiles"), "parameters": request.numbers("parameters")}
+    vault = Base.from_plain({"family": request.text("family"), **plain})
     if lengths := request.numbers("lengths"):
         vault = with_lengths(vault, lengths)
     path = Path(request.text("path"))

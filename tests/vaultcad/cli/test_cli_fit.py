@@ -92,6 +92,54 @@ def test_an_earlier_result_is_replaced_and_can_be_printed_as_json(run, fitted, r
     assert {path.name for path in out.iterdir()} == FILES - {REVIEW} | {"notes.txt"}
 
 
+@pytest.mark.parametrize("name", ["model.step", "model.ifc", "model.glb", "model.wld"])
+def test_a_model_that_is_exported_again_is_the_same(run, fitted, tmp_path, name, assumed):
+    told = run("export", fitted[0] / "model.json", "-o", tmp_path / name)
+    assert (told.code, told.out, told.err) == (0, "", assumed)
+    assert (tmp_path / name).read_bytes() == (fitted[0] / name).read_bytes()
+
+
+def test_a_report_that_is_exported_again_is_the_same(run, fitted, tmp_path):
+    assert run("export", fitted[0] / "model.json", "-o", tmp_path / "report.json").code == 0
+    again, told = (json.loads((folder / "report.json").read_text()) for folder in (tmp_path, fitted[0]))
+    for vault in told["vaults"]:
+        del vault["correlations"]
+    assert again == told
+
+
+def test_an_edited_model_is_exported_with_its_edits(run, fitted, tmp_path):
+    told = json.loads((fitted[0] / "model.json").read_text())
+    told["vaults"][0]["parameters"]["span_x"] = 3.5
+    (tmp_path / "model.json").write_text(json.dumps(told))
+    done = run("export", tmp_path / "model.json", "-o", tmp_path / "report.json", "--thickness", "0.3")
+    assert "edited after the fit" in done.err
+    report = json.loads((tmp_path / "report.json").read_text())
+    assert (report["thickness"], report["vaults"][0]["parameters"]["span_x"]["value"]) == (0.3, 3.5)
+    told["vaults"][0]["parameters"]["span_x"] = 99
+    (tmp_path / "model.json").write_text(json.dumps(told))
+    done = run("export", tmp_path / "model.json", "-o", tmp_path / "model.ifc")
+    assert (done.code, "span_x = 99 lies outside [" in done.err) == (2, True)
+    assert not (tmp_path / "model.ifc").exists()
+
+
+@pytest.mark.parametrize(
+    ("model", "out", "said"),
+    [
+        ("nothing.json", "a.step", "no such file; give the model.json"),
+        ("model.json", "a.dwg", "unknown suffix '.dwg'"),
+        ("model.json", "model.json", "is the file that is read"),
+        ("model.step", "a.ifc", "is no JSON"),
+    ],
+)
+def test_what_cannot_be_exported_is_told(run, fitted, tmp_path, model, out, said):
+    for name in ("model.json", "model.step"):
+        shutil.copy(fitted[0] / name, tmp_path)
+    told = run("export", tmp_path / model, "-o", tmp_path / out)
+    assert told.code == 2
+    assert said in told.err
+    assert told.err.count("\n") == 1
+
+
 def test_labels_are_judged_by_the_truth(run, fitted, room):
     told = run("compare", fitted[0] / SEGMENTS, room.with_suffix(".truth.npz"), "--format", "json")
     assert json.loads(told.out)["mean_iou"] > 0.9

@@ -11,8 +11,8 @@ from build123d import import_step
 
 from families import FAMILIES, Groin
 from segmentation.io import write_cloud
+from vaultcad.model_file import plain_vault
 from vaultcad.workbench.install import INTERPRETER, by_rule, install
-from vaultcad.workbench.measured import told
 from vaultcad.workbench.scans import bay
 
 ROOT = Path(__file__).parents[3]
@@ -157,7 +157,7 @@ def test_documents_open_where_the_worker_cannot_be_had(in_freecad, home, tmp_pat
 def test_each_vault_of_a_scan_is_an_object_of_its_own(in_freecad, make_model, tmp_path) -> None:
     fitted = [make_model(name).vaults[0] for name in ("groin", "barrel")]
     fitted[1] = replace(fitted[1], pose=replace(fitted[1].pose, lean=(0.03, -0.02)))  # of a scan that was not level
-    vaults = [{**told(vault), "flags": [], "bay": bay(vault)} for vault in fitted]
+    vaults = [{**plain_vault(vault), "flags": [], "bay": bay(vault)} for vault in fitted]
     write_cloud(tmp_path / "rooms.ply", np.random.default_rng(1).uniform(-4, 4, (5000, 3)))
     found = in_freecad("several", scan=str(tmp_path / "rooms.ply"), vaults=vaults)
     assert found["families"] == ["groin vault", "barrel vault"]

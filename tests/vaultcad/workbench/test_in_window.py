@@ -8,7 +8,7 @@ import pytest
 
 from families import FAMILIES
 from segmentation.io import write_cloud
-from vaultcad.workbench.measured import told
+from vaultcad.model_file import plain_vault
 
 pytestmark = pytest.mark.freecad
 ROOM = Path(__file__).parents[3] / "examples" / "room.laz"
@@ -70,7 +70,7 @@ def test_nothing_of_the_panel_is_cut_in_a_narrow_dock(in_window, make_model) -> 
     others = [(cls.id, 0.1) for cls in reversed(FAMILIES)]  # that of the longest title is shown
     vaults = []
     for cls in FAMILIES:
-        report = told(make_model(cls.id).vaults[0])
+        report = plain_vault(make_model(cls.id).vaults[0])
         size = {"value": 12.3456, "unit": "m", "std": None, "meaning": "one whose name takes several lines"}
         report["estimates"]["ratio_of_a_family_that_is_added_later"] = size
         for estimate in report["estimates"].values():

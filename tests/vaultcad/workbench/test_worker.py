@@ -18,11 +18,11 @@ from OCP.BRep import BRep_Builder
 from OCP.BRepTools import BRepTools
 from OCP.TopoDS import TopoDS_Shape
 
-from families import FAMILIES, family
+from families import FAMILIES, Vault, family
 from families.solid import brep
 from families.solid.occ.shapes import volume
 from segmentation import write_cloud
-from vaultcad.workbench.declarations import declared, vault_of
+from vaultcad.workbench.declarations import declared
 from vaultcad.workbench.install import ADD_ON
 
 ROOM = Path(__file__).parents[3] / "examples" / "room.laz"
@@ -107,7 +107,7 @@ def test_what_is_declared_makes_the_vault(name: str) -> None:
         else:
             numbers[parameter["name"]] = parameter["default"]
             assert parameter["low"] <= parameter["default"] <= parameter["high"]
-    assert vault_of(name, profiles, numbers) == vault
+    assert Vault.from_plain({"family": name, "profiles": profiles, "parameters": numbers}) == vault
     assert vault.kinds == profiles
     assert {size["name"] for size in told["sizes"]} == set(vault.derived_values())
 
@@ -174,7 +174,7 @@ BAD = {
     "box": ({"do": "fit", "scan": str(ROOM), "box": {"low": 1}, "path": "x"}, "box: give frame (3 rows of 4)"),
     "vaults": ({"do": "export", "path": "x.step"}, "vaults = null is no list of tables; give at least one"),
     "suffix": ({"do": "export", "path": "x.dwg", "vaults": [{}]}, "x.dwg: unknown suffix '.dwg'; name one of .step"),
-    "half": ({"do": "export", "path": "x.step", "vaults": [{"family": "sail"}]}, "vaults: KeyError 'parameters'"),
+    "half": ({"do": "export", "path": "x.step", "vaults": [{"family": "sail"}]}, "vaults: KeyError 'pose'"),
 }
 
 

@@ -1,0 +1,219 @@
+"""model.json: a whole model as plain values and back, to be kept, edited by hand, and written in any format again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, replace
+from math import isfinite, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Vault
+from segmentation.crs import Crs
+from segmentation.notes import Note
+from vaultcad.errors import ModelFileError
+from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedVault, Model, Pose, Rival
+
+SCHEMA = 1
+ABOUT = "a model of vaultcad; after an edit of parameters, poses or thickness `vaultcad export` writes it again"
+UNMEASURED = Deviation(nan, nan, nan, nan, {}, "")
+SAME = 1e-9  # m, rad or 1; what an edited number is at least off the fitted one
+THICKEST = 5.0  # m
+
+
+def write_model(model: Model, path: Path) -> None:
+    """Write `plain_model` as indented UTF-8 JSON."""
+    told = json.dumps(plain_model(model), indent=1, ensure_ascii=False, allow_nan=False)
+    path.write_text(told + "\n", encoding="utf-8")
+
+
+def read_model(path: Path) -> Model:
+    """The model that `write_model` wrote, with the edits that were made since; a note says which vaults were edited.
+
+    Raises:
+        ModelFileError: it is no such file, or an edit cannot be; names the field, the value and what it may be.
+        OSError: it cannot be read.
+    """
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise ModelFileError(f"{path}: is no JSON ({error}); give a model.json of vaultcad") from error
+    if not isinstance(told, dict) or "vaults" not in told or "scan" not in told:
+        raise ModelFileError(f"{path}: is no model of vaultcad; give the model.json that a fit left")
+    if told.get("schema") != SCHEMA:
+        raise ModelFileError(f"{path}: schema = {told.get('schema')!r} is not known; this version reads {SCHEMA}")
+    try:
+        return _model(told)
+    except KeyError as error:
+        raise ModelFileError(f"{path}: {error.args[0]} is missing; take it from the file as the fit left it") from None
+    except (ValueError, TypeError, AttributeError) as error:
+        raise ModelFileError(f"{path}: {error}; mend the file, or fit the scan again") from error
+
+
+def plain_model(model: Model) -> dict[str, Any]:
+    """All of a model but its notes' sources as plain values, ready for JSON."""
+    return {
+        "schema": SCHEMA,
+        "about": ABOUT,
+        "scan": {"name": model.scan.name, "points": model.points, "bounds": model.bounds.tolist()},
+        "unit": model.unit,
+        "crs": None if model.crs is None else asdict(model.crs),
+        "origin": model.origin.tolist(),
+        "thickness": model.thickness,
+        "settings": finite(dict(model.settings)),
+        "versions": dict(model.versions),
+        "notes": [note._asdict() for note in model.notes],
+        "vaults": [plain_vault(fitted) for fitted in model.vaults],
+    }
+
+
+def plain_vault(fitted: FittedVault) -> dict[str, Any]:
+    """A fitted vault as plain values: what `Vault.plain` tells, its pose [m, rad], and what else was found."""
+    whole = asdict(replace(fitted, covariance=None))
+    if fitted.covariance is not None:
+        names, matrix = fitted.covariance.names, fitted.covariance.matrix.tolist()
+        whole["covariance"] = {"names": names, "matrix": matrix}
+    found = {name: whole[name] for name in ("pose", *DECODERS)}
+    told: dict[str, Any] = finite(
+        {**fitted.vault.plain(), "title": fitted.vault.title, **found, "estimates": whole["parameters"]}
+    )
+    return told
+
+
+def fitted_vault(told: Mapping[str, Any]) -> FittedVault:
+    """The vault that `plain_vault` tells of; without estimates one that was never fitted: it has no components, and a
+    deviation that holds nothing.
+
+    Raises:
+        ValueError: an unknown name, or a value of another kind or outside its range.
+        KeyError: it has no pose.
+        TypeError: something else that was found is missing.
+    """
+    vault, pose = Vault.from_plain(told), _pose(told["pose"])
+    if "estimates" not in told:
+        return FittedVault(vault, pose, 1.0, (), own_estimates(vault), (), UNMEASURED, 0.0)
+    read = {name: decode(told[name]) for name, decode in DECODERS.items() if name in told}
+    return FittedVault(vault=vault, pose=pose, parameters=_estimates(vault, told["estimates"]), **read)
+
+
+def is_edited(told: Mapping[str, Any]) -> bool:
+    """Whether a vault's parameters are others than those of its fit."""
+    values = Vault.from_plain(told).values()
+    estimates = told.get("estimates", {})
+    return any(name in estimates and abs(estimates[name]["value"] - v) > SAME for name, v in values.items())
+
+
+def own_estimates(vault: Vault) -> dict[str, Estimate]:
+    """The numbers of a vault that was not fitted, and the sizes that follow."""
+    values = vault.values()
+    found = {p.name: Estimate(values[p.name], p.range.unit, None, p.range.meaning) for p in vault.parameters()}
+    return found | {name: Estimate(v, "m", None, derived=True) for name, v in vault.derived_values().items()}
+
+
+def finite(value: Any) -> Any:
+    """Without what JSON cannot hold: None in place of what is no number, texts as keys."""
+    if isinstance(value, Mapping):
+        return {str(key): finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    if isinstance(value, float):
+        return float(value) if isfinite(value) else None
+    return value
+
+
+def _model(told: Mapping[str, Any]) -> Model:
+    scan, crs = told["scan"], told["crs"]
+    edited = [str(k) for k, vault in enumerate(told["vaults"], 1) if is_edited(vault)]
+    notes = [Note(note["code"], note["text"]) for note in told["notes"]]
+    if edited:
+        which = f"vault {', '.join(edited)} was" if len(edited) == 1 else f"vaults {', '.join(edited)} were"
+        notes.append(Note("edited", f"{which} edited after the fit, whose deviations and coverage are told"))
+    return Model(
+        scan=Path(scan["name"]),
+        points=int(scan["points"]),
+        bounds=np.array(scan["bounds"], np.float64).reshape(2, 3),
+        origin=_origin(told["origin"]),
+        vaults=tuple(map(fitted_vault, told["vaults"])),
+        thickness=thickness("thickness", told["thickness"]),
+        settings=told["settings"],
+        versions=told["versions"],
+        unit=_number("unit", told["unit"]),
+        crs=None if crs is None else Crs(**crs),
+        notes=tuple(notes),
+    )
+
+
+def thickness(name: str, value: Any) -> float:
+    """A thickness [m]. Raises ValueError for what cannot be one."""
+    if not 0 < _number(name, value) <= THICKEST:
+        raise ValueError(f"{name} = {value!r} lies outside (0, {THICKEST:g}] m")
+    return float(value)
+
+
+def _number(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise ValueError(f"{name} = {value!r} is no number")
+    return float(value)
+
+
+def _origin(told: Any) -> NDArray[np.float64]:
+    if not isinstance(told, list) or len(told) != 3:
+        raise ValueError(f"origin = {told!r} is no place; give three numbers")
+    return np.array([_number("origin", value) for value in told])
+
+
+def _pose(told: Mapping[str, Any]) -> Pose:
+    x, y, z, yaw = (_number(f"pose.{name}", told[name]) for name in ("x", "y", "z", "yaw"))
+    first, second = (_number("pose.lean", v) for v in told.get("lean", (0.0, 0.0)))
+    return Pose(x, y, z, yaw, (first, second))
+
+
+def _estimates(vault: Vault, told: Mapping[str, Any]) -> dict[str, Estimate]:
+    """Those of the fit; where a number was edited since, the new one, of which no deviation is known."""
+    own = own_estimates(vault)
+    found: dict[str, Estimate] = {}
+    for name, plain in told.items():
+        fields: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in plain.items()}
+        estimate = Estimate(**fields)
+        if name in own and abs(own[name].value - estimate.value) > SAME:
+            estimate = replace(estimate, value=own[name].value, std=None, flags=())
+        found[name] = estimate
+    return found
+
+
+def _deviation(told: Mapping[str, Any] | None) -> Deviation | None:
+    if told is None:
+        return None
+    numbers = {name: nan if told[name] is None else told[name] for name in ("mean", "rms", "p95", "max")}
+    return Deviation(**numbers, within={float(k): v for k, v in told["within"].items()}, loa=told["loa"])
+
+
+def _covariance(told: Mapping[str, Any] | None) -> Covariance | None:
+    return None if not told else Covariance(tuple(told["names"]), np.array(told["matrix"], np.float64))
+
+
+def _component(told: Mapping[str, Any]) -> Component:
+    return Component(**{**told, "deviation": _deviation(told["deviation"])})
+
+
+DECODERS: dict[str, Callable[[Any], Any]] = {
+    "confidence": float,
+    "alternatives": lambda told: tuple((name, score) for name, score in told),
+    "components": lambda told: tuple(map(_component, told)),
+    "deviation": lambda told: _deviation(told) or UNMEASURED,
+    "coverage": float,
+    "converged": bool,
+    "as_built": _deviation,
+    "covariance": _covariance,
+    "tolerance": float,
+    "thickness": lambda told: None if told is None else thickness("thickness", told),
+    "label": str,
+    "solid": bool,
+    "odds": dict,
+    "rivals": lambda told: tuple(Rival(**{**one, "constraints": tuple(one["constraints"])}) for one in told),
+}
+"""How what a fit found is read, by its names."""
