@@ -296,7 +296,7 @@ def test_unusual_vaults_have_a_valid_masonry(vault):
 def test_elliptical_barrels_that_touch_at_the_crown_are_exact() -> None:
     """Booleans could not intersect these."""
     vault = Groin(5.0195, 5.0135, Elliptical(0.4943), Elliptical(0.495))
-    assert np.abs(vault.distance(mesh(vault).vertices)).max() < brep.EXACT
+    assert np.abs(vault.distance(mesh(vault).vertices)).max() < brep.EXACT_FACE
     assert {name for _, name in brep.face_names(brep.masonry(vault, 0.15), vault)} == {
         *vault.components,
         brep.EXTRADOS,
