@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from segmentation.errors import COPY_AGAIN, ReadError
 from segmentation.io.facts import Facts
 from segmentation.io.rest import tell_damaged
+from segmentation.io.sample import corners_of
 from segmentation.io.suspicions import tell_lost
 
 SHORTEST = {0: 227, 1: 227, 2: 227, 3: 235, 4: 375}  # bytes of the header by minor version
@@ -44,12 +45,13 @@ class Kept:
 
     def count(self, xyz: NDArray[np.floating[Any]], returns: NDArray[np.integer[Any]]) -> None:
         """Take points (n, 3) and which return of its pulse each is (n,)."""
-        for k in range(3):
-            self.low[k] = min(self.low[k], xyz[:, k].min())
-            self.high[k] = max(self.high[k], xyz[:, k].max())
-        if self.header.offsets.any():  # points in 0, 0, 0 are looked for in all formats
-            there = np.flatnonzero(xyz[:, 0] == self.header.offsets[0])
-            self.zeros += int((xyz[there] == self.header.offsets).all(axis=1).sum())
+        low, high = corners_of(xyz)
+        self.low, self.high = np.minimum(self.low, low), np.maximum(self.high, high)
+        offsets = self.header.offsets
+        # Points in 0, 0, 0 are looked for in all formats.
+        if offsets.any() and (low <= offsets).all() and (offsets <= high).all():
+            there = np.flatnonzero(xyz[:, 0] == offsets[0])
+            self.zeros += int((xyz[there] == offsets).all(axis=1).sum())
         self.returns += np.bincount(returns, minlength=RETURNS)
 
     def tell(self, facts: Facts) -> None:

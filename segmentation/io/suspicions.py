@@ -43,9 +43,9 @@ def tell_lost(facts: Facts, zeros: int, place: str) -> None:
 
 def run_of_zeros(values: NDArray[np.floating[Any]]) -> int:
     """The most values (k,) in succession that are 0; 0 if none are RUN."""
-    zero = values == 0
-    if np.count_nonzero(zero) < RUN:
+    if not (values[:: RUN // 2] == 0).any():  # of which a run has one at least
         return 0
+    zero = values == 0
     others = np.concatenate([[-1], np.flatnonzero(~zero), [len(zero)]])
     longest = int(np.diff(others).max()) - 1
     return longest if longest >= RUN else 0
