@@ -16,6 +16,7 @@ from vaultcad.export import geometry
 from vaultcad.export.bundle import SEGMENTS, WRITERS, write_all
 from vaultcad.export.folder import MARKER
 from vaultcad.export.step import write_step
+from vaultcad.model_file import read_model
 
 IDS = tuple(cls.id for cls in FAMILIES)
 
@@ -90,6 +91,7 @@ def test_a_vault_that_cannot_be_built_at_all_leaves_all_but_the_solid(make_model
     assert f"cannot build this {model.vaults[0].vault.title} with walls of 0.15 m" in note.text
     assert {path.name for path in (tmp_path / "out").iterdir()} == {*WRITERS, SEGMENTS, MARKER} - {"model.step"}
     assert "cannot build" in (tmp_path / "out" / "report.html").read_text()
+    assert read_model(tmp_path / "out" / "model.json").notes == model.notes  # whoever reads it builds it again
     scene = trimesh.load(tmp_path / "out" / "model.glb")
     assert set(model.vaults[0].vault.components) <= set(scene.geometry)
     slabs = ifcopenshell.open(str(tmp_path / "out" / "model.ifc")).by_type("IfcSlab")

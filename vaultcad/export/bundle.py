@@ -27,14 +27,14 @@ from vaultcad.model_file import write_model
 
 SEGMENTS = "segments.laz"
 PAGE = "report.html"
-TOLD = (REPORT, "model.json")
+MODEL = "model.json"
 REVIEW = "review.png"
 WRITERS: dict[str, Callable[[Model, Path], None]] = {
     "model.step": write_step,
     "model.ifc": write_ifc,
     "model.glb": write_glb,
     "model.wld": write_world,
-    "model.json": write_model,
+    MODEL: write_model,
     PAGE: write_report_html,
     REPORT: write_report_json,
 }
@@ -98,11 +98,12 @@ def write_all(
         solids = buildable(model)
         if not any(fitted.solid for fitted in solids.vaults):
             del writers["model.step"]
+        # These tell what was fitted; what is drawn has to be built, which whoever reads the model does again.
+        told = {REPORT: replace(model, notes=solids.notes), MODEL: model}
         for name, write in writers.items():
             progress(name)
             with writing(out / name):
-                # These tell what was fitted; what is drawn has to be built.
-                write(replace(model, notes=solids.notes) if name in TOLD else solids, place.part / name)
+                write(told.get(name, solids), place.part / name)
         progress(SEGMENTS)
         with writing(out / SEGMENTS):
             labelled.result()
