@@ -72,6 +72,15 @@ def test_an_earlier_result_is_replaced_and_what_else_is_there_stays(model, make_
     assert [p.name for p in tmp_path.iterdir()] == ["out"]
 
 
+def test_a_result_that_was_changed_during_the_fit_does_not_cost_the_fit(model, make_model, tmp_path):
+    write_all(model, tmp_path / "out", segments=segments)
+    (tmp_path / "out" / "model.ifc").write_text("with a wall more")
+    written = write_all(make_model("barrel", points=7), tmp_path / "out", segments=segments)
+    assert (written.kept / "model.ifc").read_text() == "with a wall more"
+    assert json.loads(written.report)["scan"]["points"] == 7
+    assert "wall more" not in (tmp_path / "out" / "model.ifc").read_text()
+
+
 def test_an_empty_folder_is_filled(model, tmp_path):
     (tmp_path / "out").mkdir()
     write_all(model, tmp_path / "out", segments=segments)

@@ -75,13 +75,13 @@ def write_all(
         vault: see points.
         review: whether to draw review.png too, as `write_review` does; it needs points, component and deviation.
         correlations: whether report.json holds those of the fitted numbers.
-        force: whether to replace what a person has changed, or made under the name of one of the files; else an
-            earlier result changed since `check_target` is kept under another name.
+        force: whether to replace what a person has changed, or made under the name of one of the files; else the
+            earlier result is kept under another name.
         progress: is told each file's name before it is written.
 
     Raises:
         ValueError: a review without the points that it shows.
-        ExportError: as `check_target` does, or no folder can be made there.
+        ExportError: `out` is no folder, no earlier result or cannot be replaced as a whole, or none can be made there.
         WriteError: the disk is full, or a file cannot be written for another reason of the system's.
     """
     writers = dict(WRITERS)
@@ -91,7 +91,7 @@ def write_all(
         if points is None or component is None or deviation is None:
             raise ValueError("a review shows points; give points, component and deviation, or leave review out")
         writers[REVIEW] = partial(write_review, points=points, component=component, deviation=deviation, vault=vault)
-    check_target(out, [*writers, SEGMENTS], force=force)
+    check_target(out, [*writers, SEGMENTS], force=True)  # what would be lost is kept: the work is done by now
     with replacing_folder(out, force=force) as place, ThreadPoolExecutor(1) as beside:
         # Most of its time goes into packing, beside which the solids are made.
         labelled = beside.submit(segments, place.part / SEGMENTS)
