@@ -1,10 +1,11 @@
-"""Folders that change places in one step, locks that end with their process, files that outlast a power cut."""
+"""What is asked of the system about folders: to change places in one step, to be locked, to outlast a power cut."""
 
 from __future__ import annotations
 
 import ctypes
 import errno
 import os
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 SWAPPED = ".swapped"  # ends the stem of the name under which a folder waits where there is no step for both
+NAME_MAX = 255  # bytes that most file systems allow a name
 HERE, EXCHANGE = -100, 2  # AT_FDCWD and RENAME_EXCHANGE of linux/fs.h
 UNABLE = {errno.ENOSYS, errno.EINVAL, errno.ENOTSUP, errno.EPERM}  # of a file system that knows no exchange
 
@@ -102,3 +104,25 @@ def _sync(path: Path) -> None:
         os.fsync(fd)
     finally:
         os.close(fd)
+
+
+def is_mounted(folder: Path) -> bool:
+    """Whether a disk, or a folder from elsewhere, is mounted there."""
+    if os.path.ismount(folder):
+        return True
+    with suppress(OSError):  # where there is such a list, one mounted from the same disk stands in it alone
+        mounts = Path("/proc/self/mountinfo").read_bytes().splitlines()
+        return any(_unescaped(line.split()[4]) == os.fsencode(folder) for line in mounts)
+    return False
+
+
+def _unescaped(name: bytes) -> bytes:
+    return re.sub(rb"\\([0-7]{3})", lambda found: bytes([int(found[1], 8)]), name)
+
+
+def longest_name(folder: Path) -> int:
+    """Bytes that a name in a folder may have."""
+    try:
+        return os.pathconf(folder, "PC_NAME_MAX")
+    except (OSError, ValueError, AttributeError):  # it is not there yet, or the system does not tell
+        return NAME_MAX

@@ -22,7 +22,7 @@ from secrets import token_hex
 from segmentation.io.whole import writing
 from segmentation.temporary import announce
 from vaultcad.errors import ExportError
-from vaultcad.export.exchange import SWAPPED, exchange, locked, settle, sync_folder
+from vaultcad.export.exchange import SWAPPED, exchange, is_mounted, locked, longest_name, settle, sync_folder
 
 MARKER = ".vaultcad.json"
 UNFINISHED = ".unfinished"  # in a folder that has never been a result's; names the computer that writes it
@@ -33,7 +33,7 @@ UNMARKED = (REPORT, "report.html", "model.step", "model.ifc", "model.glb", "mode
 """What is ours in results from the time before the marker, which are known by their report."""
 OLD_PART = re.compile(r"\d+")  # what then stood between name and ending: the number of the process
 PART = re.compile(r"[0-9a-f]{16}")  # and what stands there now
-ROOM, NAME_MAX = 32, 255  # bytes of a name that these take, and that most file systems allow
+ROOM = 32  # bytes of a name that these take
 DAY = 86_400.0  # s
 Sums = dict[str, str | None]  # names of our files and their SHA-256; None where no marker tells it
 
@@ -53,14 +53,14 @@ def check_target(out: Path, names: Collection[str], *, force: bool = False) -> N
         ExportError: something else is there, or, without `force`, what would be lost; names it and the way out.
     """
     real = _real(out)
-    if len(os.fsencode(real.name)) + ROOM > _longest_name(real.parent):
+    if len(os.fsencode(real.name)) + ROOM > longest_name(real.parent):
         raise ExportError(f"{out}: the name is too long; name a folder with a shorter one with -o")
     if not out.exists():
         return
     if not out.is_dir():
         raise ExportError(f"{out} is a file; name a folder for the result with -o")
-    if _is_mounted(real) or _real(Path()).is_relative_to(real):
-        what = "where a disk is mounted" if _is_mounted(real) else "the folder that you are in"
+    if is_mounted(real) or _real(Path()).is_relative_to(real):
+        what = "where a disk is mounted" if is_mounted(real) else "the folder that you are in"
         raise ExportError(f"{out} is {what} and cannot be replaced as a whole; name a folder in it, as {out}/result")
     if _ours(real) is None and any(real.iterdir()):
         raise ExportError(f"{out} holds other files and no earlier result; name a new or empty folder with -o")
@@ -193,20 +193,6 @@ def _is_elsewhere(part: Path) -> bool:
     return False
 
 
-def _is_mounted(folder: Path) -> bool:
-    """Whether a disk, or a folder from elsewhere, is mounted there."""
-    if os.path.ismount(folder):
-        return True
-    with suppress(OSError):  # where there is such a list, one mounted from the same disk stands in it alone
-        mounts = Path("/proc/self/mountinfo").read_bytes().splitlines()
-        return any(_unescaped(line.split()[4]) == os.fsencode(folder) for line in mounts)
-    return False
-
-
-def _unescaped(name: bytes) -> bytes:
-    return re.sub(rb"\\([0-7]{3})", lambda found: bytes([int(found[1], 8)]), name)
-
-
 def _mark(part: Path) -> None:
     sums = {path.name: _sum(path) for path in sorted(part.iterdir()) if path.name != UNFINISHED}
     marker = {"about": "files of a result of vaultcad and their SHA-256", "files": sums}
@@ -296,14 +282,6 @@ def _named(part: Path, name: Path) -> Path:
         number += 1
     os.rename(part, numbered)
     return numbered
-
-
-def _longest_name(folder: Path) -> int:
-    """Bytes that a name in a folder may have."""
-    try:
-        return os.pathconf(folder, "PC_NAME_MAX")
-    except (OSError, ValueError, AttributeError):  # it is not there yet, or the system does not tell
-        return NAME_MAX
 
 
 def _real(out: Path) -> Path:
