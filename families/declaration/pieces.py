@@ -7,43 +7,54 @@ in the vault's frame: origin at the centre of the plan on the springing, z up [m
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
+from families.declaration.plan import Vector
 from families.declaration.profiles import Curve
-
-Direction = Literal["x", "y"]
 
 
 @dataclass(frozen=True)
 class BarrelPart:
-    """Profile `curve` drawn across `across`, running along the other direction; walls stand below its springing.
+    """Profile `curve` drawn across the direction `across` (a unit vector), running along what is left of that.
 
-    |across - centre| is the curve's u; `base` its springing. With `side` = +1 or -1 it is one cove: u counts from
-    `centre` to that side only, and there is nothing on the other. `crown_rise` lifts the axis from 0 at
-    |along| = `half_length` to that much at the middle, along a parabola. `names` are the components at along < 0
-    and along > 0 (twice the same name if it is one).
+    `origin` lies on the axis, across = along = 0 there; walls stand below the springing at the height `base`. With
+    `side` = +1 or -1 it is one cove: there is nothing on the other side of the axis. At a place along the axis the
+    half span is 1 + `splay` · along, heights above the springing 1 + `flare` · along times the profile's, and the axis
+    is higher by `slope` · along. `crown_rise` lifts the axis from 0 at |along| = `half_length` to that much at the
+    middle, along a parabola. `names` are the components at along < 0 and along > 0 (twice the same name if it is one),
+    `below` that of the walls below `base`, where they have one of their own.
     """
 
-    across: Direction
+    across: Vector
     curve: Curve
     names: tuple[str, str]
-    centre: float = 0.0
+    origin: Vector = (0.0, 0.0)
     base: float = 0.0
     side: int = 0
     crown_rise: float = 0.0
     half_length: float = 1.0
+    slope: float = 0.0
+    splay: float = 0.0
+    flare: float = 0.0
+    below: str = ""
+
+    @property
+    def along(self) -> Vector:
+        """Unit vector along the axis."""
+        return -self.across[1], self.across[0]
 
     @property
     def top(self) -> float:
-        """Highest point [m]."""
+        """Highest point [m] at along = 0."""
         return self.base + self.curve.rise + self.crown_rise
+
+    def local(self, x: float, y: float) -> Vector:
+        """A place in plan as (across, along) [m]."""
+        (cx, cy), (x, y) = self.across, (x - self.origin[0], y - self.origin[1])
+        return cx * x + cy * y, cx * y - cy * x
 
     def lift(self, along: float) -> float:
         """Height [m] of the axis above `base` at a place along it."""
-        return self.crown_rise * (1 - (along / self.half_length) ** 2)
+        return self.slope * along + self.crown_rise * (1 - (along / self.half_length) ** 2)
 
     def grown(self, thickness: float) -> BarrelPart:
         """With all radii larger by `thickness` [m]."""
@@ -52,11 +63,12 @@ class BarrelPart:
 
 @dataclass(frozen=True)
 class Ball:
-    """Sphere about (0, 0, z), upper part; below its centre a wall. `quarters`: one component a corner of the plan."""
+    """Sphere about `centre` at height z, upper part; below its centre a wall. `names`: one, or one a quarter of plan."""
 
     z: float
     radius: float
     names: tuple[str, ...]
+    centre: Vector = (0.0, 0.0)
 
     @property
     def top(self) -> float:
@@ -70,12 +82,16 @@ class Ball:
 
 @dataclass(frozen=True)
 class Turned:
-    """Profile `curve` turned about the z axis on `base`; below it, down to `foot`, a cylinder named `names[0]`."""
+    """Profile `curve` turned about the upright axis through `centre`, its own axis at `radius` from that.
+
+    With `radius` = 0 a dome, else an annular barrel. It stands on `base`; the walls below are named `names[0]`.
+    """
 
     curve: Curve
     base: float
-    foot: float
     names: tuple[str, str]
+    centre: Vector = (0.0, 0.0)
+    radius: float = 0.0
 
     @property
     def top(self) -> float:
@@ -125,9 +141,14 @@ Part = BarrelPart | Ball | Turned | Ceiling | Lid
 
 @dataclass(frozen=True)
 class Piece:
-    """Intersection of parts: one convex piece of the void."""
+    """Intersection of parts: one convex piece of the void.
+
+    It stands within the vault's plan, unless it has a `foot`: from that height [m] up it is free of the plan, as a drum
+    is on its pendentives, and its stone may overhang.
+    """
 
     parts: tuple[Part, ...]
+    foot: float | None = None
 
     def grown(self, thickness: float) -> Piece:
         """All parts grown by `thickness` [m], some a little more, so that crowns which meet still do.
@@ -143,19 +164,4 @@ class Piece:
                     if isinstance(other, BarrelPart) and abs(other.top - part.top) < 1e-9
                 )
                 parts[k] = part.grown(part.curve.thickness_below(level - part.base - part.crown_rise))
-        return Piece(tuple(parts))
-
-
-@dataclass(frozen=True)
-class Plan:
-    """Half extents of the vault's plan [m], and whether the stone may stand on the walls beyond (its extrados does)."""
-
-    half_x: float
-    half_y: float
-    on_wall_x: bool = False
-    on_wall_y: bool = False
-
-    @property
-    def half(self) -> NDArray[np.float64]:
-        """(2,) half extents [m]."""
-        return np.array([self.half_x, self.half_y])
+        return Piece(tuple(parts), self.foot)

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from families.declaration.constraints import Constraint
 from families.declaration.corners import Skew
 from families.declaration.parameters import Parametric
-from families.declaration.pieces import Piece, Plan
+from families.declaration.pieces import Piece
+from families.declaration.plan import Plan
 from families.declaration.profiles import Profile
 
 if TYPE_CHECKING:

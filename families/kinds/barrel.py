@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from families.declaration.parameters import Range, derived
-from families.declaration.pieces import BarrelPart, Piece, Plan
+from families.declaration.pieces import BarrelPart, Piece
+from families.declaration.plan import Plan, X
 from families.declaration.profiles import Profile, Semicircular
 from families.declaration.vault import Vault
 
@@ -46,8 +47,8 @@ class Barrel(Vault):
     @property
     def plan(self) -> Plan:
         """Span by length; the springings stand on the walls."""
-        return Plan(self.span / 2, self.length / 2, on_wall_x=True)
+        return Plan.rectangle(self.span / 2, self.length / 2, on_wall_x=True)
 
     def pieces(self) -> tuple[Piece, ...]:
         """One barrel."""
-        return (Piece((BarrelPart("x", self.profile.curve(self.span / 2), ("barrel", "barrel")),)),)
+        return (Piece((BarrelPart(X, self.profile.curve(self.span / 2), ("barrel", "barrel")),)),)

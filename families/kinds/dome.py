@@ -8,7 +8,8 @@ from typing import Annotated, ClassVar
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
-from families.declaration.pieces import Ball, Lid, Piece, Plan, Turned
+from families.declaration.pieces import Ball, Lid, Piece, Turned
+from families.declaration.plan import Plan
 from families.declaration.profiles import Profile, Semicircular
 from families.declaration.vault import Vault
 
@@ -77,7 +78,7 @@ class Dome(Vault):
     @property
     def plan(self) -> Plan:
         """The square."""
-        return Plan(self.radius, self.radius)
+        return Plan.rectangle(self.radius, self.radius)
 
     def pieces(self) -> tuple[Piece, ...]:
         """The ball of the pendentives below the ring; drum and dome as one turned profile."""
@@ -86,5 +87,5 @@ class Dome(Vault):
         names = ("drum" if self.drum_ratio else "dome", "dome")
         return (
             Piece((Ball(centre, self.pendentive_radius, tuple(f"pendentive_{c}" for c in CORNERS)), Lid(ring))),
-            Piece((Turned(curve, ring + self.drum_height, ring, names),)),
+            Piece((Turned(curve, ring + self.drum_height, names),), foot=ring),
         )

@@ -7,7 +7,8 @@ from typing import Annotated, ClassVar
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
-from families.declaration.pieces import BarrelPart, Direction, Piece, Plan
+from families.declaration.pieces import BarrelPart, Piece
+from families.declaration.plan import Plan, Vector, X, Y
 from families.declaration.profiles import Profile, Semicircular
 from families.declaration.vault import Vault
 
@@ -128,18 +129,18 @@ class Groin(Vault):
     @property
     def plan(self) -> Plan:
         """The rectangle of the wall arches."""
-        return Plan(self.span_x / 2 + self.offset_x, self.span_y / 2 + self.offset_y)
+        return Plan.rectangle(self.span_x / 2 + self.offset_x, self.span_y / 2 + self.offset_y)
 
     def pieces(self) -> tuple[Piece, ...]:
         """Two barrels, both with their axes lifted by as much at the middle."""
         plan = self.plan
 
-        def barrel(span: float, profile: Profile, across: Direction, names: tuple[str, str]) -> Piece:
+        def barrel(span: float, profile: Profile, across: Vector, names: tuple[str, str]) -> Piece:
             curve = profile.curve(span / 2)
-            length = plan.half_y if across == "x" else plan.half_x
+            length = plan.half_y if across == X else plan.half_x
             return Piece((BarrelPart(across, curve, names, crown_rise=self.crown_rise, half_length=length),))
 
         return (
-            barrel(self.span_x, self.profile_x, "x", ("web_south", "web_north")),
-            barrel(self.span_y, self.profile_y, "y", ("web_west", "web_east")),
+            barrel(self.span_x, self.profile_x, X, ("web_south", "web_north")),
+            barrel(self.span_y, self.profile_y, Y, ("web_east", "web_west")),
         )

@@ -7,7 +7,8 @@ from typing import Annotated, ClassVar
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
-from families.declaration.pieces import BarrelPart, Piece, Plan
+from families.declaration.pieces import BarrelPart, Piece
+from families.declaration.plan import Plan, X, Y
 from families.declaration.profiles import Profile, Segmental, Semicircular
 from families.declaration.vault import Vault
 
@@ -101,14 +102,16 @@ class Lunette(Vault):
     @property
     def plan(self) -> Plan:
         """Span by length; the springings stand on the walls."""
-        return Plan(self.span / 2, self.length / 2, on_wall_x=True)
+        return Plan.rectangle(self.span / 2, self.length / 2, on_wall_x=True)
 
     def pieces(self) -> tuple[Piece, ...]:
         """The barrel and one transverse barrel for each pair of lunettes."""
-        barrel = BarrelPart("x", self.profile.curve(self.span / 2), ("barrel", "barrel"))
+        barrel = BarrelPart(X, self.profile.curve(self.span / 2), ("barrel", "barrel"))
         curve = self.lunette_profile.curve(self.lunette_span / 2)
         lunettes = (
-            BarrelPart("y", curve, (f"lunette_west_{k}", f"lunette_east_{k}"), centre=y, base=self.lunette_springing)
+            BarrelPart(
+                Y, curve, (f"lunette_east_{k}", f"lunette_west_{k}"), origin=(0.0, y), base=self.lunette_springing
+            )
             for k, y in enumerate(self.positions, 1)
         )
         return (Piece((barrel,)), *(Piece((part,)) for part in lunettes))

@@ -7,11 +7,12 @@ from typing import Annotated, ClassVar
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
-from families.declaration.pieces import BarrelPart, Ceiling, Piece, Plan
+from families.declaration.pieces import BarrelPart, Ceiling, Piece
+from families.declaration.plan import Plan, Vector, X, Y
 from families.declaration.profiles import circle_through, segmental
 from families.declaration.vault import Vault
 
-SIDES = (("south", "y", -1), ("north", "y", 1), ("west", "x", -1), ("east", "x", 1))
+SIDES = (("south", Y, -1), ("north", Y, 1), ("west", X, -1), ("east", X, 1))
 
 
 def _equal_coves(vault: Mirror) -> dict[str, float]:
@@ -87,20 +88,16 @@ class Mirror(Vault):
     @property
     def plan(self) -> Plan:
         """The rectangle; the stone stands on all four walls."""
-        return Plan(self.span_x / 2, self.span_y / 2, on_wall_x=True, on_wall_y=True)
+        return Plan.rectangle(self.span_x / 2, self.span_y / 2, on_wall_x=True, on_wall_y=True)
 
     def pieces(self) -> tuple[Piece, ...]:
         """Intersection of four coves and the plane."""
-        half = {"x": self.span_x / 2, "y": self.span_y / 2}
-        run = {"x": self.run_x, "y": self.run_y}
-        coves = tuple(
-            BarrelPart(
-                "x" if axis == "x" else "y",
-                segmental(run[axis], self.cove_rise),
-                (f"cove_{name}", f"cove_{name}"),
-                centre=side * (half[axis] - run[axis]),
-                side=side,
-            )
-            for name, axis, side in SIDES
-        )
+        sizes = {X: (self.span_x / 2, self.run_x), Y: (self.span_y / 2, self.run_y)}
+
+        def cove(name: str, across: Vector, side: int) -> BarrelPart:
+            half, run = sizes[across]
+            origin = (across[0] * side * (half - run), across[1] * side * (half - run))
+            return BarrelPart(across, segmental(run, self.cove_rise), (name, name), origin, side=side)
+
+        coves = (cove(f"cove_{name}", across, side) for name, across, side in SIDES)
         return (Piece((*coves, Ceiling(self.rise, ("plane",)))),)

@@ -8,7 +8,8 @@ from typing import Annotated, ClassVar
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
-from families.declaration.pieces import Ball, Piece, Plan
+from families.declaration.pieces import Ball, Piece
+from families.declaration.plan import Plan
 from families.declaration.profiles import circle_through
 from families.declaration.vault import Vault
 
@@ -55,7 +56,7 @@ class Sail(Vault):
     @property
     def plan(self) -> Plan:
         """The rectangle."""
-        return Plan(self.span_x / 2, self.span_y / 2)
+        return Plan.rectangle(self.span_x / 2, self.span_y / 2)
 
     def pieces(self) -> tuple[Piece, ...]:
         """A ball."""

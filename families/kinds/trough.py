@@ -7,7 +7,8 @@ from typing import Annotated, ClassVar
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
-from families.declaration.pieces import BarrelPart, Piece, Plan
+from families.declaration.pieces import BarrelPart, Piece
+from families.declaration.plan import Plan, X, Y
 from families.declaration.profiles import Profile, Semicircular
 from families.declaration.vault import Vault
 
@@ -68,21 +69,21 @@ class Trough(Vault):
     @property
     def plan(self) -> Plan:
         """The rectangle; the stone stands on all four walls."""
-        return Plan(self.span_x / 2, self.span_y / 2, on_wall_x=True, on_wall_y=True)
+        return Plan.rectangle(self.span_x / 2, self.span_y / 2, on_wall_x=True, on_wall_y=True)
 
     def pieces(self) -> tuple[Piece, ...]:
         """Intersection of the barrel with the two heads."""
         curve, b = self.profile.curve(self.span_x / 2), self.span_y / 2
         sides = (
             (
-                BarrelPart("x", curve, ("west", "west"), side=-1),
-                BarrelPart("x", curve, ("east", "east"), side=1),
+                BarrelPart(X, curve, ("west", "west"), side=-1),
+                BarrelPart(X, curve, ("east", "east"), side=1),
             )
             if self.cloister
-            else (BarrelPart("x", curve, ("barrel", "barrel")),)
+            else (BarrelPart(X, curve, ("barrel", "barrel")),)
         )
         heads = tuple(
-            BarrelPart("y", self.profile.arch(run, curve.rise), (name, name), centre=side * (b - run), side=side)
+            BarrelPart(Y, self.profile.arch(run, curve.rise), (name, name), origin=(0.0, side * (b - run)), side=side)
             for name, run, side in (("south", self.south_run, -1), ("north", self.north_run, 1))
         )
         return (Piece((*sides, *heads)),)

@@ -1,0 +1,195 @@
+"""The plan of a vault: a region within straight and round sides, in which its void stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, cos, hypot, pi, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Vector = tuple[float, float]
+X: Vector = (1.0, 0.0)
+Y: Vector = (0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Side:
+    """One side of a plan from `start` to `end` [m], the plan on its left.
+
+    Straight, or an arc about `centre`, counterclockwise where the plan is within its circle (`inside`), else clockwise.
+    `on_wall`: the stone may stand on the wall beyond, as the extrados of a barrel does.
+    """
+
+    start: Vector
+    end: Vector
+    on_wall: bool = False
+    centre: Vector | None = None
+    inside: bool = True
+
+    @property
+    def radius(self) -> float:
+        """Radius of an arc [m]."""
+        assert self.centre is not None
+        return hypot(self.start[0] - self.centre[0], self.start[1] - self.centre[1])
+
+    @property
+    def normal(self) -> Vector:
+        """Unit normal of a straight side, out of the plan."""
+        x, y = self.end[0] - self.start[0], self.end[1] - self.start[1]
+        size = hypot(x, y)
+        return y / size, -x / size
+
+    @property
+    def offset(self) -> float:
+        """Distance [m] of a straight side from the origin, along its normal."""
+        x, y = self.normal
+        return x * (self.start[0] + self.end[0]) / 2 + y * (self.start[1] + self.end[1]) / 2
+
+    def points(self, count: int) -> Array:
+        """`count` + 1 points (n, 2) [m] at even distances from start to end."""
+        share = np.linspace(0, 1, count + 1)[:, None]
+        if self.centre is None:
+            return np.array(self.start) * (1 - share) + np.array(self.end) * share
+        (a, b), (x, y) = self.centre, self.start
+        first = atan2(y - b, x - a)
+        last = atan2(self.end[1] - b, self.end[0] - a)
+        sweep = (last - first) % (2 * pi) if self.inside else -((first - last) % (2 * pi))
+        angle = first + sweep * share
+        found: Array = np.array(self.centre) + self.radius * np.hstack([np.cos(angle), np.sin(angle)])
+        found[0], found[-1] = self.start, self.end
+        return found
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Sides counterclockwise about the plan; those of a hole, as inside a ring, clockwise and after the others.
+
+    The region is convex but for what lies within arcs that bound it from inside, and for sectors of more than half a
+    turn (`reflex`), whose two straight sides bound a notch.
+    """
+
+    sides: tuple[Side, ...]
+    reflex: bool = False
+
+    @staticmethod
+    def rectangle(half_x: float, half_y: float, on_wall_x: bool = False, on_wall_y: bool = False) -> Plan:
+        """By half extents [m]: sides south, east, north, west; `on_wall_x` speaks of those at the ends of x."""
+        corners = ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y))
+        return Plan.polygon(corners, (on_wall_y, on_wall_x, on_wall_y, on_wall_x))
+
+    @staticmethod
+    def polygon(corners: tuple[Vector, ...], on_wall: tuple[bool, ...] | bool = False) -> Plan:
+        """By its corners [m], counterclockwise; a flag for the side from each corner to the next, or one for all."""
+        flags = on_wall if isinstance(on_wall, tuple) else (on_wall,) * len(corners)
+        ends = (*corners[1:], corners[0])
+        return Plan(tuple(Side(*side) for side in zip(corners, ends, flags, strict=True)))
+
+    @staticmethod
+    def disc(radius: float, on_wall: bool = False) -> Plan:
+        """A circle about the origin [m]."""
+        return Plan(_circle(radius, on_wall, inside=True))
+
+    @staticmethod
+    def half_disc(radius: float, on_wall: bool = False) -> Plan:
+        """The half of a disc where y > 0 [m]; its straight side is open and never on a wall."""
+        east, north, west = (radius, 0.0), (0.0, radius), (-radius, 0.0)
+        return Plan(
+            (
+                Side(west, east),
+                Side(east, north, on_wall, (0.0, 0.0)),
+                Side(north, west, on_wall, (0.0, 0.0)),
+            )
+        )
+
+    @staticmethod
+    def sector(inner: float, outer: float, angle: float, on_wall: bool = False) -> Plan:
+        """A sector of a ring about the origin between two radii [m], over an angle [rad] about the y axis."""
+        if angle >= 2 * pi - 1e-9:
+            return Plan((*_circle(outer, on_wall, inside=True), *_circle(inner, on_wall, inside=False)))
+        steps = max(1, round(angle / (pi / 2) + 0.499999))
+        turns = [pi / 2 + angle * (k / steps - 0.5) for k in range(steps + 1)]
+        rim, hub = ([(r * cos(a), r * sin(a)) for a in turns] for r in (outer, inner))
+        outside = [Side(a, b, on_wall, (0.0, 0.0)) for a, b in zip(rim, rim[1:], strict=False)]
+        within = [Side(b, a, on_wall, (0.0, 0.0), False) for a, b in zip(hub, hub[1:], strict=False)][::-1]
+        return Plan((*outside, Side(rim[-1], hub[-1]), *within, Side(hub[0], rim[0])), reflex=angle > pi)
+
+    @property
+    def corners(self) -> Array:
+        """Where sides begin (n, 2) [m]."""
+        return np.array([side.start for side in self.sides])
+
+    @property
+    def half(self) -> Array:
+        """(2,) half extents [m] of the rectangle about the origin, along x and y, that holds the plan."""
+        found: Array = np.abs(self.outline(16)).max(axis=0)
+        return found
+
+    @property
+    def half_x(self) -> float:
+        """The first of them."""
+        return float(self.half[0])
+
+    @property
+    def half_y(self) -> float:
+        """The second."""
+        return float(self.half[1])
+
+    @property
+    def on_wall_x(self) -> bool:
+        """Whether the stone may stand on a wall at the ends of x."""
+        return any(side.on_wall and (side.centre is not None or abs(side.normal[0]) > 0.5) for side in self.sides)
+
+    @property
+    def on_wall_y(self) -> bool:
+        """Whether the stone may stand on a wall at the ends of y."""
+        return any(side.on_wall and (side.centre is not None or abs(side.normal[1]) > 0.5) for side in self.sides)
+
+    def outline(self, per_arc: int = 32) -> Array:
+        """The boundary as points (n, 2) [m], arcs in so many steps; a hole's follow those of the outer boundary."""
+        return np.concatenate([side.points(1 if side.centre is None else per_arc)[:-1] for side in self.sides])
+
+    def distance(self, xy: Array) -> Array:
+        """Signed distances (n,) [m] of points (n, 2) to the nearest boundary, negative within the plan.
+
+        Beyond corners it is the largest of the distances to the sides.
+        """
+        straight, round_ = [], []
+        for side in self.sides:
+            if side.centre is None:
+                straight.append(xy @ np.array(side.normal) - side.offset)
+            else:
+                reach = np.hypot(xy[:, 0] - side.centre[0], xy[:, 1] - side.centre[1]) - side.radius
+                round_.append(reach if side.inside else -reach)
+        if self.reflex:
+            straight = [np.minimum(*straight)]
+        found: Array = np.max([*straight, *round_], axis=0)
+        return found
+
+    def holds(self, xy: Array) -> NDArray[np.bool_]:
+        """Whether points (n, 2) [m] lie within the plan."""
+        return self.distance(xy) < 0
+
+    @property
+    def area(self) -> float:
+        """Area [m²], by Green's theorem with arcs taken exactly."""
+        found = 0.0
+        for side in self.sides:
+            (x0, y0), (x1, y1) = side.start, side.end
+            if side.centre is None:
+                found += (x0 * y1 - x1 * y0) / 2
+                continue
+            (a, b), r = side.centre, side.radius
+            sweep = (atan2(y1 - b, x1 - a) - atan2(y0 - b, x0 - a)) % (2 * pi)
+            sweep = sweep if side.inside else sweep - 2 * pi
+            found += (r * r * sweep + a * (y1 - y0) - b * (x1 - x0)) / 2
+        return found
+
+
+def _circle(radius: float, on_wall: bool, inside: bool) -> tuple[Side, ...]:
+    """Four quarters."""
+    ends = [(radius, 0.0), (0.0, radius), (-radius, 0.0), (0.0, -radius), (radius, 0.0)]
+    if not inside:
+        ends = ends[::-1]
+    return tuple(Side(a, b, on_wall, (0.0, 0.0), inside) for a, b in zip(ends, ends[1:], strict=False))
