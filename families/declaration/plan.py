@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import atan2, cos, hypot, pi, sin
+from dataclasses import dataclass, replace
+from math import atan2, cos, hypot, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -171,6 +171,23 @@ class Plan:
         """Whether points (n, 2) [m] lie within the plan."""
         return self.distance(xy) < 0
 
+    def grown(self, thickness: float) -> Plan:
+        """With the sides that stand on a wall moved outwards by `thickness` [m]."""
+        moved = [_Edge.of(side, thickness if side.on_wall else 0.0) for side in self.sides]
+        if not any(side.on_wall for side in self.sides):
+            return self
+        found, first = [], 0
+        while first < len(moved):  # loop by loop
+            last = first
+            while self.sides[last].end != self.sides[first].start:
+                last += 1
+            loop = range(first, last + 1)
+            starts = [moved[k - 1 if k > first else last].meets(moved[k], self.sides[k].start) for k in loop]
+            ends = [*starts[1:], starts[0]]
+            found += [replace(self.sides[k], start=a, end=b) for k, a, b in zip(loop, starts, ends, strict=True)]
+            first = last + 1
+        return Plan(tuple(found), self.reflex)
+
     @property
     def area(self) -> float:
         """Area [m²], by Green's theorem with arcs taken exactly."""
@@ -185,6 +202,40 @@ class Plan:
             sweep = sweep if side.inside else sweep - 2 * pi
             found += (r * r * sweep + a * (y1 - y0) - b * (x1 - x0)) / 2
         return found
+
+
+@dataclass(frozen=True)
+class _Edge:
+    """A side of a plan that was moved: a line by normal and offset, or a circle."""
+
+    side: Side
+    offset: float
+    radius: float
+
+    @staticmethod
+    def of(side: Side, by: float) -> _Edge:
+        if side.centre is None:
+            return _Edge(side, side.offset + by, 0.0)
+        return _Edge(side, 0.0, side.radius + (by if side.inside else -by))
+
+    def meets(self, other: _Edge, near: Vector) -> Vector:
+        """Where two meet, nearest to where they met before they were moved."""
+        a, b = (self, other) if self.side.centre is None else (other, self)
+        if a.side.centre is not None:  # two arcs of one circle
+            assert b.side.centre is not None
+            x, y = near[0] - b.side.centre[0], near[1] - b.side.centre[1]
+            share = other.radius / hypot(x, y)
+            return b.side.centre[0] + share * x, b.side.centre[1] + share * y
+        (p, q) = a.side.normal
+        if b.side.centre is None:
+            (r, s) = b.side.normal
+            det = p * s - q * r
+            return (s * a.offset - q * b.offset) / det, (p * b.offset - r * a.offset) / det
+        cx, cy = b.side.centre
+        gap = a.offset - p * cx - q * cy
+        reach = sqrt(b.radius**2 - gap**2)
+        ends = [(cx + gap * p - sign * reach * q, cy + gap * q + sign * reach * p) for sign in (-1, 1)]
+        return min(ends, key=lambda end: hypot(end[0] - near[0], end[1] - near[1]))
 
 
 def _circle(radius: float, on_wall: bool, inside: bool) -> tuple[Side, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,17 +9,16 @@ from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
 from families.declaration.palette import Colour, colour
 from families.declaration.vault import Vault
-from families.solid.body import Skin, body, inside
+from families.solid.body import body
 from families.solid.body import surface as laid
 from families.solid.occ.shapes import faces, inner_points, together
-from families.solid.plan_cells import cuts
+from families.solid.roofs import Void
 
 if TYPE_CHECKING:
     import build123d
 
 EXTRADOS, SIDE = "extrados", "side"
-EXACT_FACE, BENT = 1e-6, 3e-4  # [m] that faces may be off the numeric surface, and those of skewed vaults
-FACETS = 2e-3  # [m] that plane facets may be off
+EXACT_FACE = 1e-6  # [m] that faces may be off the numeric surface
 CORNER = 0.3  # [mm], see `workable`
 
 
@@ -30,20 +28,12 @@ def void(vault: Vault) -> TopoDS_Shape:
     Raises:
         ValueError: its faces do not close, or OpenCASCADE finds a fault in it.
     """
-    if vault.skew is not None:
-        return _skewed(vault, void(vault.straight))
-    pieces, plan = vault.pieces(), vault.plan
-    half = (plan.half_x, plan.half_y)
-    return body(half, [Skin(pieces, stone=False)], cuts(pieces, plan), lambda points: inside(pieces, half, points))
+    return body(Void(vault.pieces(), vault.plan), None)
 
 
 def surface(vault: Vault) -> TopoDS_Shape:
     """The faces of the void that are not "side": the intrados, and the walls of stilts below it."""
-    if vault.skew is not None:
-        named = face_names(void(vault), vault)
-        return together(face for face, name in named if name in vault.components)
-    plan = vault.plan
-    return laid((plan.half_x, plan.half_y), Skin(vault.pieces(), stone=False), cuts(vault.pieces(), plan))
+    return laid(Void(vault.pieces(), vault.plan))
 
 
 def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
@@ -54,31 +44,10 @@ def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
     """
     if not thickness > 0:
         raise ValueError(f"thickness = {thickness:g} m must be above 0")
-    if vault.skew is not None:
-        return _skewed(vault, masonry(vault.straight, thickness))
-    pieces, plan = vault.pieces(), vault.plan
-    grown = tuple(piece.grown(thickness) for piece in pieces)
-    half = (plan.half_x + thickness * plan.on_wall_x, plan.half_y + thickness * plan.on_wall_y)
-    skins = [Skin(pieces, stone=True), Skin(grown, stone=False)]
+    pieces = vault.pieces()
+    grown = Void(tuple(piece.grown(thickness) for piece in pieces), vault.plan.grown(thickness))
     # What is taken away is not bounded by the plan: the mouths of lunettes stay open.
-    return body(
-        half,
-        skins,
-        cuts(pieces, plan),
-        lambda points: inside(grown, half, points) & ~inside(pieces, (inf, inf), points),
-    )
-
-
-def _skewed(vault: Vault, straight: TopoDS_Shape) -> TopoDS_Shape:
-    """A body of the straight vault, over the plan as it is; in plane facets where its faces cannot be bent."""
-    from families.solid.bending import bent, faceted
-    from families.solid.mesh import mesh_body
-
-    try:
-        return bent(straight, vault.bent)
-    except (ValueError, RuntimeError):  # OCP tells OpenCASCADE's failures as RuntimeError
-        made = mesh_body(straight, FACETS)
-        return faceted(vault.bent(made.vertices), made.triangles)
+    return body(grown, Void(pieces, None))
 
 
 def room(vault: Vault) -> build123d.Part:
@@ -148,13 +117,10 @@ def face_names(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> list[tupl
     found = list(faces(getattr(shape, "wrapped", shape)))
     points = inner_points(found)
     here = vault.evaluate(points)
-    half = vault.plan.half
-    if vault.skew is not None:
-        points = vault.skew.straightened(points, half)
     ground = np.abs(points[:, 2]) < EXACT_FACE
-    side = ground | (np.abs(np.abs(points[:, :2]) - half) < EXACT_FACE).any(axis=1)
+    side = ground | (np.abs(vault.plan.distance(points[:, :2])) < EXACT_FACE)
     # Walls of a stilt stand on the plan's edge and are of the surface; other faces there only come near it.
-    shown = ~ground & (np.abs(here.distance) < np.where(side, EXACT_FACE, BENT))
+    shown = ~ground & (np.abs(here.distance) < EXACT_FACE)
     names = (EXTRADOS, SIDE, *vault.components)
     kind = np.where(shown, here.component + 1, side)
     return [(face, names[k]) for face, k in zip(found, kind, strict=True)]

@@ -63,36 +63,43 @@ class Simple(Path):
 
 @dataclass(frozen=True)
 class Straight(Simple):
-    """Line along an axis of the frame; the parameter is the coordinate along it."""
+    """Line through the place of `origin` nearest to (0, 0, 0), along a unit vector; the parameter is the way along."""
 
-    axis: int
-    origin: Point  # its coordinate along the axis is 0
+    direction: Point
+    origin: Point
 
     @cached_property
     def geometry(self) -> Geom_Curve:
         """Line."""
-        return Geom_Line(gp_Pnt(*self.origin), gp_Dir(*AXES[self.axis].tolist()))
+        return Geom_Line(gp_Pnt(*self.origin), gp_Dir(*self.direction))
 
     def points(self, t: Array) -> Array:
         """Points at parameters."""
-        found = np.empty((len(t), 3))
-        found[:] = self.origin
-        found[:, self.axis] = t
+        found: Array = np.outer(t, self.direction) + self.origin
         return found
 
     def parameters(self, points: Array) -> Array:
-        """The coordinate along the axis."""
-        return points[:, self.axis]
+        """The way along."""
+        return points @ np.array(self.direction)  # type: ignore[no-any-return]  # numpy's stubs
 
     def parameter(self, point: Point) -> float:
-        """The coordinate of one point."""
-        return point[self.axis]
+        """The same of one point."""
+        (a, b, c), (x, y, z) = self.direction, point
+        return a * x + b * y + c * z
 
     @staticmethod
-    def through(point: Point, axis: int) -> Straight:
-        """The line along an axis through a point."""
-        x, y, z = point
-        return Straight(axis, ((0.0, y, z), (x, 0.0, z), (x, y, 0.0))[axis])
+    def through(point: Point, direction: Point) -> Straight:
+        """The line through a point along a unit vector."""
+        (a, b, c), (x, y, z) = direction, point
+        way = a * x + b * y + c * z
+        return Straight(direction, (x - way * a, y - way * b, z - way * c))
+
+    @staticmethod
+    def between(start: Point, end: Point) -> Straight:
+        """The line through two points."""
+        x, y, z = end[0] - start[0], end[1] - start[1], end[2] - start[2]
+        size = hypot(x, y, z)
+        return Straight.through(start, (x / size, y / size, z / size))
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,6 @@ class Net:
     vertices: list[TopoDS_Vertex] = field(default_factory=list)
     edges: list[Edge] = field(default_factory=list)
     faces: list[tuple[TopoDS_Face, list[int]]] = field(default_factory=list)  # with the edges of each
-    covered: dict[Flat, list[tuple[int, bool]]] = field(default_factory=dict)  # edges with a plane face on their left
     _coordinates: list[tuple[float, float, float]] = field(default_factory=list)
     _known: dict[tuple[float, float, float], int] = field(default_factory=dict)  # vertices by the points asked for
     _near: dict[tuple[int, ...], list[int]] = field(default_factory=dict)  # vertices by the cubes of 1 mm around them
@@ -102,6 +101,8 @@ class Net:
     def cut(self, loops: list[Loop]) -> list[Loop]:
         """Loops with their steps cut at all vertices that lie on them; splines meet others at their ends only."""
         steps = [step for loop in loops for step in loop]
+        if not steps:
+            return loops
         for step in steps:
             self.vertex(step.places[0])
             self.vertex(step.places[2])
@@ -139,11 +140,6 @@ class Net:
         at = [step.start, *cuts, step.end]
         return [Step(step.path, a, b) for a, b in pairwise(at)]
 
-    def find(self, step: Step) -> int | None:
-        """The edge of a step, if there is one."""
-        first, middle, last = step.places
-        return self._found((self.vertex(first), self.vertex(last)), middle)
-
     def _found(self, ends: tuple[int, int], middle: Array) -> int | None:
         x, y, z = middle.tolist()
         for k in self._between.get((min(ends), max(ends)), ()):
@@ -151,6 +147,11 @@ class Net:
             if abs(there[0] - x) < ONE and abs(there[1] - y) < ONE and abs(there[2] - z) < ONE:
                 return k
         return None
+
+    def ends(self, step: Step) -> tuple[int, int]:
+        """The vertices of a step."""
+        first, _, last = step.places
+        return self.vertex(first), self.vertex(last)
 
     def edge(self, step: Step) -> tuple[int, bool] | None:
         """The edge of a step and whether it runs the same way; None where the step is no longer than a vertex."""
@@ -206,8 +207,6 @@ class Net:
             if not isinstance(sheet, Flat):
                 curve = sheet.trace(edge.step.path, edge.step.start, edge.step.end)
                 builder.UpdateEdge(edge.shape, curve, sheet.geometry, HERE, EDGE)
-            else:
-                self.covered.setdefault(sheet, []).append(item)
             edge.uses += 1
             used.append(item[0])
             builder.Add(wire, edge.shape.Oriented(TopAbs_FORWARD if forward else TopAbs_REVERSED))

@@ -1,105 +1,210 @@
-"""The plan of a vault cut into cells, in each of which every body shows one side of its profile.
+"""The plan cut into cells by lines and circles, so that in each of them every body shows one smooth piece of surface.
 
-Surfaces are laid cell by cell: in each they rise from the wall to the crown, and two of them meet in one line.
+What bounds cells are parts of ways: lines and arcs, each known by its number. A cell's boundary is a loop of parts of
+them, counterclockwise; neighbours share the way, and may part it at other places.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import pairwise, product
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from math import atan2, cos, hypot, pi, sin, sqrt
 
-from families.declaration.pieces import Ball, BarrelPart, Direction, Piece, Plan
+import numpy as np
+from numpy.typing import NDArray
 
-SAME_CUT = 1e-6  # [m], cuts nearer than that are one
+from families.declaration.plan import Vector
+
+Array = NDArray[np.float64]
+SAME_PLACE = 1e-6  # [m], places nearer than that are one
+HALF_TURN = pi + 1e-6
 
 
 @dataclass(frozen=True)
+class Cut:
+    """A line `normal` · p = `offset`, or with a radius the circle about `normal`."""
+
+    normal: Vector
+    offset: float = 0.0
+    radius: float = 0.0
+
+    def side(self, x: float, y: float) -> float:
+        """Signed distance [m] of a place; 0 where it lies on the cut."""
+        a, b = self.normal
+        found = hypot(x - a, y - b) - self.radius if self.radius else a * x + b * y - self.offset
+        return 0.0 if abs(found) < SAME_PLACE else found
+
+
+@dataclass(frozen=True)
+class Way:
+    """A line from `start` to `end`, or an arc about `centre`; its parameter runs from 0 to 1."""
+
+    start: Vector
+    end: Vector
+    centre: Vector | None = None
+    angle: float = 0.0
+    sweep: float = 0.0
+
+    @property
+    def radius(self) -> float:
+        """Radius of an arc [m]."""
+        assert self.centre is not None
+        return hypot(self.start[0] - self.centre[0], self.start[1] - self.centre[1])
+
+    @property
+    def row(self) -> Array:
+        """As the compiled functions take it."""
+        arc = (0.0,) * 5 if self.centre is None else (*self.centre, self.radius, self.angle, self.sweep)
+        return np.array([*self.start, *self.end, *arc])
+
+    def at(self, t: float) -> Vector:
+        """Place at a parameter."""
+        if t in (0.0, 1.0):
+            return self.end if t else self.start
+        if self.centre is None:
+            (a, b), (c, d) = self.start, self.end
+            return a + t * (c - a), b + t * (d - b)
+        angle = self.angle + t * self.sweep
+        return self.centre[0] + self.radius * cos(angle), self.centre[1] + self.radius * sin(angle)
+
+    def places(self, t: Array) -> tuple[Array, Array]:
+        """Places, x and y (n,), at parameters (n,)."""
+        if self.centre is None:
+            (a, b), (c, d) = self.start, self.end
+            return a + t * (c - a), b + t * (d - b)
+        angle, radius = self.angle + t * self.sweep, self.radius
+        return self.centre[0] + radius * np.cos(angle), self.centre[1] + radius * np.sin(angle)
+
+    def crossing(self, cut: Cut, low: float, high: float) -> float:
+        """Parameter between two, on either side of a cut, where the way crosses it."""
+        if self.centre is None and not cut.radius:
+            first, last = self._raw(cut, low), self._raw(cut, high)
+            return low + (high - low) * first / (first - last)
+        first = self._raw(cut, low)
+        for _ in range(60):
+            middle = (low + high) / 2
+            if (self._raw(cut, middle) > 0) == (first > 0):
+                low = middle
+            else:
+                high = middle
+        return (low + high) / 2
+
+    def _raw(self, cut: Cut, t: float) -> float:
+        (x, y), (a, b) = self.at(t), cut.normal
+        return hypot(x - a, y - b) - cut.radius if cut.radius else a * x + b * y - cut.offset
+
+
+@dataclass(frozen=True)
+class Part:
+    """The part of way number `way` from one parameter to another, which may run backwards."""
+
+    way: int
+    start: float
+    end: float
+
+
+@dataclass
 class Cell:
-    """Box [m] in which bodies are made: (x0, x1), (y0, y1), z from `low` up to `high`."""
+    """A loop of parts, counterclockwise."""
 
-    x: tuple[float, float]
-    y: tuple[float, float]
-    low: float
-    high: float
-
-    def side(self, direction: Direction) -> tuple[float, float]:
-        """Extent along a direction."""
-        return self.x if direction == "x" else self.y
+    loop: list[Part]
 
 
-@dataclass(frozen=True)
-class Cuts:
-    """Where a plan is cut inside, in rising order [m]."""
+@dataclass
+class Ground:
+    """Ways, and the cells between them."""
 
-    x: tuple[float, ...]
-    y: tuple[float, ...]
+    ways: list[Way] = field(default_factory=list)
+    cells: list[Cell] = field(default_factory=list)
 
-    def cells(self, half_x: float, half_y: float, low: float, high: float) -> Iterator[Cell]:
-        """The cells of a rectangle."""
-        xs, ys = (-half_x, *self.x, half_x), (-half_y, *self.y, half_y)
-        for x, y in product(pairwise(xs), pairwise(ys)):
-            yield Cell(x, y, low, high)
+    @staticmethod
+    def polygon(corners: Iterable[Vector]) -> Ground:
+        """One cell."""
+        places = list(corners)
+        ways = [Way(a, b) for a, b in zip(places, [*places[1:], places[0]], strict=True)]
+        return Ground(ways, [Cell([Part(k, 0.0, 1.0) for k in range(len(ways))])])
+
+    def place(self, part: Part, share: float = 0.0) -> Vector:
+        """Place at a share of a part."""
+        return self.ways[part.way].at(part.start + share * (part.end - part.start) if share < 1 else part.end)
+
+    def cut(self, cut: Cut) -> None:
+        """Cut all cells."""
+        self.cells = [piece for cell in self.cells for piece in self.parted(cell, cut)]
+
+    def parted(self, cell: Cell, cut: Cut) -> list[Cell]:
+        """A cell, or the two in which a cut parts it."""
+        sides = [cut.side(*self.place(part)) for part in cell.loop]
+        if not (min(sides) < 0 < max(sides)):
+            return [cell]
+        loop: list[tuple[Part, float]] = []  # parts, each with the side of its start
+        count = len(sides)
+        for k, part in enumerate(cell.loop):
+            side, after = sides[k], sides[(k + 1) % count]
+            if side * after < 0:
+                t = self.ways[part.way].crossing(cut, part.start, part.end)
+                loop += [(Part(part.way, part.start, t), side), (Part(part.way, t, part.end), 0.0)]
+            else:
+                loop.append((part, side))
+        on = [k for k, (_, side) in enumerate(loop) if side == 0.0]
+        # The way in: on the cut, and then on its positive side; the way out likewise.
+        size = len(loop)
+        ins = [k for k in on if loop[(k + 1) % size][1] > 0]
+        outs = [k for k in on if loop[(k + 1) % size][1] < 0]
+        if len(ins) != 1 or len(outs) != 1:
+            raise ValueError("a line of the plan meets the edge of a cell more than twice; change a parameter a little")
+        first, last = ins[0], outs[0]
+        above = [loop[(first + k) % size][0] for k in range((last - first) % size)]
+        below = [loop[(last + k) % size][0] for k in range((first - last) % size)]
+        way = self._between(cut, self.place(loop[last][0]), self.place(loop[first][0]))
+        return [Cell([*above, Part(way, 0.0, 1.0)]), Cell([*below, Part(way, 1.0, 0.0)])]
+
+    def _between(self, cut: Cut, start: Vector, end: Vector) -> int:
+        if cut.radius:
+            (a, b) = cut.normal
+            angle = atan2(start[1] - b, start[0] - a)
+            sweep = (atan2(end[1] - b, end[0] - a) - angle + pi) % (2 * pi) - pi
+            self.ways.append(Way(start, end, (a, b), angle, sweep))
+        else:
+            self.ways.append(Way(start, end))
+        return len(self.ways) - 1
+
+    def outline(self, cell: Cell, shares: Array) -> tuple[Array, Array, NDArray[np.int64], Array]:
+        """Places x, y (n,) along a cell's boundary at shares (k,) of each part, with the part and parameter of each."""
+        xs, ys, owners, at = [], [], [], []
+        for k, part in enumerate(cell.loop):
+            t = part.start + shares * (part.end - part.start)
+            x, y = self.ways[part.way].places(t)
+            xs.append(x)
+            ys.append(y)
+            owners.append(np.full(len(t), k))
+            at.append(t)
+        return np.concatenate(xs), np.concatenate(ys), np.concatenate(owners), np.concatenate(at)
+
+    def inner(self, cell: Cell) -> Vector:
+        """A place well within a cell: its middle, or that of a chord across it, whichever is farthest from its boundary."""
+        shares = np.array([0.0, 0.5])
+        x, y, _, _ = self.outline(cell, shares)
+        place = float(x.mean()), float(y.mean())
+        if len(cell.loop) > 2 and all(self.ways[part.way].centre is None for part in cell.loop):
+            return place
+        x, y, _, _ = self.outline(cell, np.linspace(0, 1, 9)[:-1])
+        found = [other for other in (place, *_across(x, y)) if contains(x, y, other)]
+        return max(found, key=lambda at: float(np.hypot(x - at[0], y - at[1]).min()), default=place)
 
 
-def cuts(pieces: tuple[Piece, ...], plan: Plan) -> Cuts:
-    """Cuts at the axes of all profiles, where components part, and half-way between parallel barrels."""
-    found: dict[Direction, list[float]] = {"x": [], "y": []}
-    axes: dict[Direction, list[float]] = {"x": [], "y": []}
-    for part in (part for piece in pieces for part in piece.parts):
-        if isinstance(part, BarrelPart):
-            found[part.across].append(part.centre)
-            if not part.side:
-                axes[part.across].append(part.centre)
-            if part.crown_rise or part.names[0] != part.names[1]:
-                found["y" if part.across == "x" else "x"].append(0.0)
-        elif isinstance(part, Ball) and len(part.names) > 1:
-            found["x"].append(0.0)
-            found["y"].append(0.0)
-    for direction, centres in axes.items():
-        found[direction] += [(a + b) / 2 for a, b in pairwise(sorted(centres))]
-    return Cuts(_apart(found["x"], plan.half_x), _apart(found["y"], plan.half_y))
+def _across(x: Array, y: Array) -> Iterable[Vector]:
+    """Middles of chords between places on an outline."""
+    n = len(x)
+    for k in range(0, n, max(1, n // 8)):
+        for j in (n // 2, n // 3, n // 4):
+            a, b = k, (k + j) % n
+            yield float((x[a] + x[b]) / 2), float((y[a] + y[b]) / 2)
 
 
-def _apart(places: list[float], half: float) -> tuple[float, ...]:
-    kept: list[float] = []
-    for place in sorted(places):
-        if abs(place) < half - SAME_CUT and (not kept or place - kept[-1] > SAME_CUT):
-            kept.append(place)
-    return tuple(kept)
-
-
-@dataclass(frozen=True)
-class View:
-    """A barrel as a cell sees it: on one side of its axis, from u = near to u = far."""
-
-    part: BarrelPart
-    cell: Cell
-
-    @property
-    def sign(self) -> int:
-        """Side of the axis."""
-        start, end = self.cell.side(self.part.across)
-        return 1 if (start + end) / 2 > self.part.centre else -1
-
-    @property
-    def near(self) -> float:
-        """Distance of the cell from the axis [m]."""
-        near = min(self.sign * (place - self.part.centre) for place in self.cell.side(self.part.across))
-        return near if near > SAME_CUT else 0.0
-
-    @property
-    def far(self) -> float:
-        """Distance of the wall or, if that comes first, of the cell's far side from the axis [m]."""
-        far = max(self.sign * (place - self.part.centre) for place in self.cell.side(self.part.across))
-        return far if far < self.part.curve.half_span - SAME_CUT else self.part.curve.half_span
-
-    @property
-    def bounds(self) -> bool:
-        """Whether there is a profile on this side."""
-        return self.part.side in {0, self.sign}
-
-    @property
-    def outside(self) -> bool:
-        """Whether the cell lies behind the wall."""
-        return self.bounds and self.near > self.part.curve.half_span - SAME_CUT
+def contains(x: Array, y: Array, place: Vector) -> bool:
+    """Whether a place lies in a polygon: by the sides that a ray from it crosses (Shimrat 1962)."""
+    x1, y1 = np.roll(x, -1), np.roll(y, -1)
+    across = (y > place[1]) != (y1 > place[1])
+    at = x[across] + (place[1] - y[across]) / (y1 - y)[across] * (x1 - x)[across]
+    return bool((at > place[0]).sum() % 2)

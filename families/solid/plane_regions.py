@@ -1,7 +1,8 @@
-"""Regions of a plane within steps that have them on their left."""
+"""Regions of a plane, or of a surface seen from one side, within steps that have them on their left."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import atan2, pi
 
 import numpy as np
@@ -9,22 +10,26 @@ from numpy.typing import NDArray
 
 from families.declaration.units import MM
 from families.solid.boundary import Loop
-from families.solid.face_net import ONE
-from families.solid.surfaces import Flat
 
 Array = NDArray[np.float64]
+Map = Callable[[Array], Array]
 BENT = 0.02  # of an edge's length, at which its direction at an end is taken: tangent edges have parted there
 OUTLINE = tuple(np.linspace(0, 1, 16, endpoint=False).tolist())
 
 
-def regions(plane: Flat, steps: Loop) -> list[list[Loop]]:
+def regions(parameters: Map, steps: Loop, ends: list[tuple[int, int]]) -> list[list[Loop]]:
     """For each region the loop that bounds it from outside, followed by those of the holes in it.
+
+    Args:
+        parameters: places (n, 2) of points (n, 3) on a plane, or on a surface that one sees whole.
+        steps: with a region on their left.
+        ends: the vertices at which they start and end.
 
     Raises:
         ValueError: the steps do not close.
     """
-    loops = _loops(plane, steps)
-    outlines = [np.concatenate([plane.parameters(step.points(*OUTLINE)) for step in loop]) for loop in loops]
+    loops = _loops(parameters, steps, ends)
+    outlines = [np.concatenate([parameters(step.points(*OUTLINE)) for step in loop]) for loop in loops]
     areas = [area(outline) for outline in outlines]
     outer = [k for k, size in enumerate(areas) if size > 0]
     found = {k: [loops[k]] for k in outer}
@@ -42,11 +47,19 @@ def area(outline: Array) -> float:
     return float(x[:-1] @ y[1:] - x[1:] @ y[:-1]) / 2  # the last step leads back to the origin
 
 
-def _loops(plane: Flat, steps: Loop) -> list[Loop]:
+def _loops(parameters: Map, steps: Loop, ends: list[tuple[int, int]]) -> list[Loop]:
     """Closed ways along steps; where several go on, the sharpest turn to the left, which leaves no other face there."""
-    flat = [plane.parameters(step.points(0.0, BENT, 1 - BENT, 1.0)) for step in steps]
-    starts = np.array([points[0] for points in flat])
-    left = np.ones(len(steps), bool)
+    left = [True] * len(steps)
+    starts: dict[int, list[int]] = {}
+    for k, (start, _) in enumerate(ends):
+        starts.setdefault(start, []).append(k)
+    flat: dict[int, Array] = {}
+
+    def directions(k: int) -> Array:
+        if k not in flat:
+            flat[k] = parameters(steps[k].points(0.0, BENT, 1 - BENT, 1.0))
+        return flat[k]
+
     found: list[Loop] = []
     for first in range(len(steps)):
         if not left[first]:
@@ -54,13 +67,15 @@ def _loops(plane: Flat, steps: Loop) -> list[Loop]:
         way = [first]
         while True:
             last = way[-1]
-            nexts = np.flatnonzero(left & (np.abs(starts - flat[last][3]).max(axis=1) < 2 * ONE))
-            if not len(nexts):
+            nexts = [k for k in starts.get(ends[last][1], ()) if left[k]]
+            if not nexts:
                 x, y, z = (steps[last].places[2] / MM).round(3).tolist()
                 raise ValueError(f"edges do not close at ({x:g}, {y:g}, {z:g}) m; change a parameter a little")
-            back = flat[last][2] - flat[last][3]
-            turns = [_clockwise(back, flat[k][1] - flat[k][0]) for k in nexts]
-            chosen = int(nexts[int(np.argmin(turns))])
+            chosen = nexts[0]
+            if len(nexts) > 1:
+                back = directions(last)[2] - directions(last)[3]
+                turns = [_clockwise(back, directions(k)[1] - directions(k)[0]) for k in nexts]
+                chosen = nexts[int(np.argmin(turns))]
             left[chosen] = False
             if chosen == first:
                 break

@@ -8,7 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
+from math import hypot, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,14 +27,12 @@ from OCP.TColgp import TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array2OfReal
 
 from families.declaration.pieces import BarrelPart
+from families.declaration.plan import Vector
 from families.declaration.units import MM
 from families.solid.curves import (
-    AXES,
-    Bezier,
     Conic,
     Path,
-    Simple,
-    Spline,
+    Point,
     Straight,
     arc_parameter,
     arc_poles,
@@ -44,7 +42,8 @@ from families.solid.curves import (
 from families.void.profile_outline import Bow
 
 Array = NDArray[np.float64]
-UP = AXES[2]
+UP = np.array([0.0, 0.0, 1.0])
+PARALLEL = 1e-12
 
 
 class Sheet(ABC):
@@ -66,53 +65,63 @@ class Sheet(ABC):
 
 @dataclass(frozen=True)
 class Flat(Sheet):
-    """Plane across an axis of the frame, through `place` [mm] on it; its normal points to larger values."""
+    """Plane across a unit vector, `place` [mm] from the origin along it; u runs along `first`, v along normal × u."""
 
-    axis: int
+    normal: Point
     place: float
+    first: Point
 
     @cached_property
     def geometry(self) -> Geom_Surface:
         """Plane."""
-        x = AXES[(self.axis + 1) % 3]
-        normal = AXES[self.axis]
-        return Geom_Plane(
-            gp_Ax3(gp_Pnt(*(self.place * normal).tolist()), gp_Dir(*normal.tolist()), gp_Dir(*x.tolist()))
-        )
+        origin = gp_Pnt(*(self.place * value for value in self.normal))
+        return Geom_Plane(gp_Ax3(origin, gp_Dir(*self.normal), gp_Dir(*self.first)))
+
+    @cached_property
+    def _axes(self) -> Array:
+        return np.stack([self.first, np.cross(self.normal, self.first)], axis=1)
 
     def parameters(self, points: Array) -> Array:
-        """The two other coordinates, in the order that makes a right-handed frame."""
-        return points[:, [(self.axis + 1) % 3, (self.axis + 2) % 3]]
+        """Places along u and v."""
+        return points @ self._axes  # type: ignore[no-any-return]  # numpy's stubs
+
+    @staticmethod
+    def level(z: float, gradient: Vector = (0.0, 0.0)) -> Flat:
+        """The plane z + gradient · (x, y), seen from above."""
+        a, b = gradient
+        size = hypot(a, b, 1.0)
+        reach = hypot(a, 1.0)
+        return Flat((-a / size, -b / size, 1 / size), z / size, (1 / reach, 0.0, a / reach))
+
+    @staticmethod
+    def upright(normal: Vector, offset: float) -> Flat:
+        """The plane normal · (x, y) = offset [mm]; u runs to the left, seen with the normal, and v up."""
+        x, y = normal
+        return Flat((x, y, 0.0), offset, (-y, x, 0.0))
 
 
 @dataclass(frozen=True)
-class Side:
+class BarrelSide:
     """One side of a barrel: from its axis to the wall where `sign` · across grows."""
 
     part: BarrelPart
     sign: int
 
-    @property
-    def axis(self) -> int:
-        """The axis of the frame across which the profile is drawn."""
-        return 0 if self.part.across == "x" else 1
-
     @cached_property
     def outwards(self) -> Array:
         """Unit vector (3,) from the barrel's axis to the wall."""
-        found: Array = np.multiply(self.sign, AXES[self.axis])
-        return found
+        return self.sign * np.array([*self.part.across, 0.0])
 
     @cached_property
     def along(self) -> Array:
-        """Unit vector (3,) along the barrel: outwards × up, so that normals point outwards."""
-        found: Array = np.multiply(self.sign, AXES[0] if self.axis else -AXES[1])
-        return found
+        """Vector (3,) along the barrel, a metre in plan: outwards × up, so that normals point outwards; it may climb."""
+        x, y = self.part.along
+        return -self.sign * np.array([x, y, self.part.slope])
 
-    def place(self, along: float = 0.0, lift: float = 0.0) -> Array:
+    def place(self, along: float = 0.0) -> Array:
         """Point (3,) [mm] on the barrel's axis at the springing, at a coordinate along it [m]."""
-        place = self.part.centre * AXES[self.axis] + along * AXES[1 - self.axis] + (self.part.base + lift) * UP
-        found: Array = np.multiply(MM, place)
+        (x, y), (a, b) = self.part.origin, self.part.along
+        found: Array = np.multiply(MM, (x + along * a, y + along * b, self.part.base + self.part.lift(along)))
         return found
 
 
@@ -123,80 +132,95 @@ class Drawn(Sheet):
     Both sides of a barrel lie on one cylinder where its axis is theirs: joined by CAD, they are one face.
     """
 
-    side: Side
+    side: BarrelSide
     bow: Bow
 
     @cached_property
-    def _frame(self) -> Side:
-        return self.side if self.bow.u else Side(self.side.part, 1)
+    def frame(self) -> BarrelSide:
+        """The side whose directions are the surface's."""
+        return self.side if self.bow.u else BarrelSide(self.side.part, 1)
 
     @cached_property
-    def _directrix(self) -> Conic:
-        return Conic.of(self.bow, self._frame.place(), self._frame.outwards, UP)[0]
+    def directrix(self) -> Conic:
+        """The bow at along = 0."""
+        return Conic.of(self.bow, self.frame.place(), self.frame.outwards, UP)[0]
 
     @cached_property
     def geometry(self) -> Geom_Surface:
         """Cylinder or surface of extrusion."""
-        conic, along = self._directrix, gp_Dir(*self._frame.along.tolist())
-        if conic.a == conic.b:
+        conic, along = self.directrix, gp_Dir(*self.frame.along.tolist())
+        if conic.a == conic.b and not self.side.part.slope:
             return Geom_CylindricalSurface(gp_Ax3(gp_Pnt(*conic.centre), along, gp_Dir(*conic.x)), conic.a)
         return Geom_SurfaceOfLinearExtrusion(conic.geometry, along)
 
+    @cached_property
+    def _level(self) -> tuple[Array, float, float]:
+        """Along in plan, where it is 0, and how much longer a way along the surface is."""
+        level = self.frame.along * (1.0, 1.0, 0.0)
+        return level, float(level @ self.directrix.centre), float(np.linalg.norm(self.frame.along))
+
     def parameters(self, points: Array) -> Array:
         """Angle and place along."""
-        return np.stack([self._directrix.parameters(points), points @ self._frame.along], axis=1)
+        level, start, steep = self._level
+        if not self.side.part.slope:
+            return np.stack([self.directrix.parameters(points), points @ level - start], axis=1)
+        way = points @ level - start
+        return np.stack([self.directrix.parameters(points - np.outer(way, self.frame.along)), way * steep], axis=1)
 
     def trace(self, path: Path, start: float, end: float) -> Geom2d_Curve:
         """A straight line for its rulings and arches, which need no look at their points."""
-        along, conic = self._frame.along, self._directrix
-        if isinstance(path, Straight) and path.axis == 1 - self.side.axis:
-            u, v = self.parameters(path.points(np.zeros(1)))[0].tolist()
-            return Geom2d_Line(gp_Pnt2d(u, v), gp_Dir2d(0.0, float(along[path.axis])))
-        if isinstance(path, Conic) and (path.x, path.y, path.a, path.b) == (conic.x, conic.y, conic.a, conic.b):
-            return Geom2d_Line(gp_Pnt2d(0.0, float(np.dot(path.centre, along))), gp_Dir2d(1.0, 0.0))
-        if isinstance(path, Spline):
-            # Seen from the barrel's axis all copies of a groin are the same, but mirrored on the other side.
-            key = self.bow, self.side.axis, self._frame.sign == self.side.sign
-            return path.trace(key, self._directrix.parameters, along)
+        level, first, steep = self._level
+        conic = self.directrix
+        if isinstance(path, Straight):
+            way = float(np.dot(path.direction, level)) * steep
+            if abs(abs(way) - 1) < PARALLEL:
+                u, v = self.parameters(path.points(np.zeros(1)))[0].tolist()
+                return Geom2d_Line(gp_Pnt2d(u, v), gp_Dir2d(0.0, way))
+        elif isinstance(path, Conic) and (path.x, path.y, path.a, path.b) == (conic.x, conic.y, conic.a, conic.b):
+            v = (float(np.dot(path.centre, level)) - first) * steep
+            return Geom2d_Line(gp_Pnt2d(0.0, v), gp_Dir2d(1.0, 0.0))
         return super().trace(path, start, end)
 
     def arch(self, along: float) -> Conic:
         """The bow at a coordinate along the barrel [m]."""
-        conic = self._directrix
-        x, y, z = conic.centre
-        centre = (x, MM * along, z) if self.side.axis == 0 else (MM * along, y, z)
-        return Conic(centre, conic.x, conic.y, conic.a, conic.b)
-
-    def ruling(self, u: float, z: float) -> Simple:
-        """The line along the barrel through (u, z) [m] of the bow."""
-        part = self.side.part
-        across, height = MM * (part.centre + self.side.sign * u), MM * (part.base + z)
-        return Straight(1, (across, 0.0, height)) if self.side.axis == 0 else Straight(0, (0.0, across, height))
+        conic = self.directrix
+        x, y, z = (np.array(conic.centre) + self.side.place(along) - self.side.place()).tolist()
+        return Conic((x, y, z), conic.x, conic.y, conic.a, conic.b)
 
 
 @dataclass(frozen=True)
-class Translated(Sheet):
-    """A bow moved along the parabola of a barrel's lifted axis: a translation surface, exactly a rational Bézier one.
+class Moved(Sheet):
+    """A bow that moves along a barrel's axis, lifted along a parabola or growing: exactly a rational Bézier surface.
 
-    u and v run from 0 to 1 over the whole bow and the whole barrel.
+    u and v run from 0 to 1 over the whole bow and from `low` to `high` [m] along, in the direction of `side.along`.
     """
 
-    side: Side
+    side: BarrelSide
     bow: Bow
+    low: float
+    high: float
 
     @cached_property
-    def _axis(self) -> Array:
-        """Poles (3, 3) [mm] of the axis, in the direction of `side.along`."""
-        part, way = self.side.part, self.side.along[1 - self.side.axis]
-        ends = (-part.half_length, 0.0, part.half_length)
-        # The tangents at the ends of the parabola meet at twice its height.
-        return np.stack([self.side.place(way * along, 2 * part.crown_rise * (along == 0)) for along in ends])
+    def _ends(self) -> tuple[float, float]:
+        """Coordinates along at v = 0 and v = 1."""
+        return (self.low, self.high) if self.side.sign < 0 else (self.high, self.low)
 
     @cached_property
-    def _poles(self) -> Array:
-        """Poles (3, 2, 3), those of the bow [m] with their places in the frame [mm]."""
+    def poles(self) -> Array:
+        """Poles (3, 3, 3) [mm]: along the bow, along the axis."""
+        part, (first, last) = self.side.part, self._ends
         u, z = arc_poles(self.bow).T
-        return MM * (u[:, None] * self.side.outwards + z[:, None] * UP)  # type: ignore[no-any-return]  # numpy's stubs
+        found = np.empty((3, 3, 3))
+        # A polynomial of degree 2 by its polar form: the middle pole is the mixed value of both ends.
+        mixed = part.lift(0.0) + part.slope * (first + last) / 2
+        mixed -= part.crown_rise * first * last / part.half_length**2
+        for j, (along, lift) in enumerate(
+            ((first, part.lift(first)), ((first + last) / 2, mixed), (last, part.lift(last)))
+        ):
+            wide, high = 1 + part.splay * along, 1 + part.flare * along
+            place = np.array([*part.origin, part.base + lift]) + along * np.array([*part.along, 0.0])
+            found[:, j] = place + np.outer(wide * u, self.side.outwards) + np.outer(high * z, UP)
+        return MM * found
 
     @cached_property
     def _weight(self) -> float:
@@ -205,37 +229,33 @@ class Translated(Sheet):
     @cached_property
     def geometry(self) -> Geom_Surface:
         """Bézier surface."""
-        poles, weights = TColgp_Array2OfPnt(1, 3, 1, 3), TColStd_Array2OfReal(1, 3, 1, 3)
-        for i, pole in enumerate(self._poles, 1):
-            for j, place in enumerate(self._axis, 1):
-                poles.SetValue(i, j, gp_Pnt(*(pole + place).tolist()))
-                weights.SetValue(i, j, self._weight if i == 2 else 1.0)
+        level = self.side.part.crown_rise == 0
+        columns = (0, 2) if level else (0, 1, 2)
+        poles = TColgp_Array2OfPnt(1, 3, 1, len(columns))
+        weights = TColStd_Array2OfReal(1, 3, 1, len(columns))
+        for i in range(3):
+            for j, column in enumerate(columns, 1):
+                poles.SetValue(i + 1, j, gp_Pnt(*self.poles[i, column].tolist()))
+                weights.SetValue(i + 1, j, self._weight if i == 1 else 1.0)
         return Geom_BezierSurface(poles, weights)
 
     def parameters(self, points: Array) -> Array:
         """Shares of the bow and of the length."""
-        part, bow = self.side.part, self.bow
-        along = points[:, 1 - self.side.axis] / MM
-        v = (1 + self.side.along[1 - self.side.axis] * along / part.half_length) / 2
-        rest = points / MM - part.centre * AXES[self.side.axis]
-        height = rest[:, 2] - part.base - part.crown_rise * (1 - (along / part.half_length) ** 2)
-        angle = np.arctan2((height - bow.z) / bow.b, (rest @ self.side.outwards - bow.u) / bow.a)
-        return np.stack([arc_parameter(angle, bow.start, bow.end), v], axis=1)
-
-    def arch(self, along: float) -> Bezier:
-        """The bow at a coordinate along the barrel [m]."""
-        return Bezier(self._poles + self.side.place(along, self.side.part.lift(along)), self._weight)
-
-    def ruling(self, u: float, z: float) -> Simple:
-        """The parabola along the barrel through (u, z) [m] of the bow."""
-        return Bezier(self._axis + MM * (u * self.side.outwards + z * UP))
+        part, bow, (first, last) = self.side.part, self.bow, self._ends
+        rest = points / MM - (*part.origin, part.base)
+        along = rest[:, :2] @ np.array(part.along)
+        u = rest @ self.side.outwards / (1 + part.splay * along)
+        lift = part.slope * along + part.crown_rise * (1 - (along / part.half_length) ** 2)
+        z = (rest[:, 2] - lift) / (1 + part.flare * along)
+        angle = np.arctan2((z - bow.z) / bow.b, (u - bow.u) / bow.a)
+        return np.stack([arc_parameter(angle, bow.start, bow.end), (along - first) / (last - first)], axis=1)
 
 
 @dataclass(frozen=True)
 class Round(Sheet):
     """Sphere. u and v are its longitude and latitude about `pole`, an axis of the frame; u is nearest to `about`."""
 
-    centre: tuple[float, float, float]
+    centre: Point
     radius: float
     pole: int = 2
     about: float = pi
@@ -243,7 +263,7 @@ class Round(Sheet):
     @cached_property
     def geometry(self) -> Geom_Surface:
         """Sphere."""
-        pole, first = AXES[self.pole].tolist(), AXES[(self.pole + 1) % 3].tolist()
+        pole, first = (np.eye(3)[(self.pole + k) % 3].tolist() for k in (0, 1))
         return Geom_SphericalSurface(gp_Ax3(gp_Pnt(*self.centre), gp_Dir(*pole), gp_Dir(*first)), self.radius)
 
     def parameters(self, points: Array) -> Array:
@@ -257,38 +277,48 @@ class Round(Sheet):
 
 @dataclass(frozen=True)
 class Revolved(Sheet):
-    """A conic in the plane of x and z turned about the z axis. u is the azimuth nearest to `about`, v the angle."""
+    """A conic in a plane through an upright axis, turned about that. u is the azimuth nearest to `about`, v the angle.
+
+    The conic lies in the plane of x and z, where the axis is at x = 0.
+    """
 
     conic: Conic
+    centre: Vector
     about: float
 
     @cached_property
     def geometry(self) -> Geom_Surface:
         """Surface of revolution."""
-        return Geom_SurfaceOfRevolution(self.conic.geometry, gp_Ax1(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1)))
+        x, y = self.centre
+        moved = Conic(
+            (self.conic.centre[0] + x, y, self.conic.centre[2]), self.conic.x, self.conic.y, self.conic.a, self.conic.b
+        )
+        return Geom_SurfaceOfRevolution(moved.geometry, gp_Ax1(gp_Pnt(x, y, 0), gp_Dir(0, 0, 1)))
 
     def parameters(self, points: Array) -> Array:
         """Azimuth and angle."""
-        flat = np.stack([np.hypot(points[:, 0], points[:, 1]), np.zeros(len(points)), points[:, 2]], axis=1)
-        azimuth = _near(np.arctan2(points[:, 1], points[:, 0]), self.about)
-        return np.stack([azimuth, self.conic.parameters(flat)], axis=1)
+        x, y = points[:, 0] - self.centre[0], points[:, 1] - self.centre[1]
+        flat = np.stack([np.hypot(x, y), np.zeros(len(points)), points[:, 2]], axis=1)
+        return np.stack([_near(np.arctan2(y, x), self.about), self.conic.parameters(flat)], axis=1)
 
 
 @dataclass(frozen=True)
 class Drum(Sheet):
-    """Upright cylinder about the z axis. u is the azimuth nearest to `about`, v the height."""
+    """Upright cylinder about `centre` [mm]. u is the azimuth nearest to `about`, v the height."""
 
+    centre: Vector
     radius: float
     about: float
 
     @cached_property
     def geometry(self) -> Geom_Surface:
         """Cylinder."""
-        return Geom_CylindricalSurface(gp_Ax3(gp_Pnt(0, 0, 0), gp_Dir(0, 0, 1), gp_Dir(1, 0, 0)), self.radius)
+        return Geom_CylindricalSurface(gp_Ax3(gp_Pnt(*self.centre, 0), gp_Dir(0, 0, 1), gp_Dir(1, 0, 0)), self.radius)
 
     def parameters(self, points: Array) -> Array:
         """Azimuth and height."""
-        return np.stack([_near(np.arctan2(points[:, 1], points[:, 0]), self.about), points[:, 2]], axis=1)
+        azimuth = np.arctan2(points[:, 1] - self.centre[1], points[:, 0] - self.centre[0])
+        return np.stack([_near(azimuth, self.about), points[:, 2]], axis=1)
 
 
 def _near(angle: Array, about: float) -> Array:

@@ -14,7 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Piece, Plan, Turned
+from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Piece, Turned
+from families.declaration.plan import Plan
 from families.declaration.profiles import Curve
 
 Array = NDArray[np.float64]

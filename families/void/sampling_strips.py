@@ -11,7 +11,8 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Plan, Turned
+from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Turned
+from families.declaration.plan import Plan
 from families.declaration.profiles import Arc, Curve
 from families.void.profile_outline import Bow, Wall, half_outline
 

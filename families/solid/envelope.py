@@ -1,0 +1,364 @@
+"""Which roof shows where: each cell of the plan parted into regions by the lines in which two roofs are as high.
+
+Within a cell all heights are smooth, so that the order of roofs along its boundary tells which lines cross it: none, one
+from side to side, or three from a point inside. Any other cell is halved first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families.declaration.plan import Vector
+from families.declaration.units import MM
+from families.solid.curves import Spline
+from families.solid.heights import change, heights, shown, trace
+from families.solid.plan_cells import SAME_PLACE, Cell, Cut, Ground, Part, contains
+from families.solid.roofs import Roof
+
+Array = NDArray[np.float64]
+SAME_HEIGHT = 1e-7  # [m], heights nearer than that are one
+DENSE, NODES = 257, 49  # places at which a curve is looked at, and through which it is laid
+# Of the way to the middle, where it is looked which roof shows beside an edge: the second where two are as high all along.
+INWARDS = 1e-6, 1e-3
+HALVED = 14  # times that a cell may be halved
+EDGE_SHARES = (1 - np.cos(np.pi * (np.arange(24) + 0.5) / 24)) / 2
+RAYS = np.array([0.15, 0.4, 0.7, 0.9])  # of the way from the middle of a cell to its boundary
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """The curve in which two roofs meet, from one place to another, and its spline [mm]."""
+
+    start: Vector
+    end: Vector
+    spline: Spline
+
+
+@dataclass(frozen=True)
+class Along:
+    """The way along a line, or back."""
+
+    line: Line
+    forward: bool
+
+
+Bound = Part | Along
+
+
+@dataclass(frozen=True)
+class Region:
+    """Where one roof shows, in a loop counterclockwise."""
+
+    roof: int
+    loop: list[Bound]
+
+
+@dataclass
+class Skin:
+    """The roofs of a surface, and what they show in the cells of a ground."""
+
+    ground: Ground
+    roofs: list[Roof] = field(default_factory=list)
+    regions: list[Region] = field(default_factory=list)
+    _numbers: dict[int, int] = field(default_factory=dict)
+    _table: Array = field(default_factory=lambda: np.empty((0, 16)))
+
+    def number(self, roof: Roof) -> int:
+        """The number of a roof."""
+        key = id(roof)
+        if key not in self._numbers:
+            self._numbers[key] = len(self.roofs)
+            self.roofs.append(roof)
+        return self._numbers[key]
+
+    @property
+    def table(self) -> Array:
+        """The rows of all roofs."""
+        if len(self._table) < len(self.roofs):
+            self._table = np.array([roof.row for roof in self.roofs])
+        return self._table
+
+    def height(self, roof: int, x: Array, y: Array) -> Array:
+        """Heights (n,) of a roof over places."""
+        return heights(x, y, self.table, roof)
+
+    def lay(self, cell: Cell, pieces: list[list[Roof]]) -> None:
+        """The regions of a cell over which pieces show these roofs."""
+        rows, owners = [], []
+        for k, piece in enumerate(pieces):
+            rows += [self.number(roof) for roof in piece]
+            owners += [k] * len(piece)
+        if len(rows) == 1:
+            self.regions.append(Region(rows[0], list(cell.loop)))
+            return
+        self.regions += self._parted(cell, np.array(rows), np.array(owners), HALVED)
+
+    def _parted(
+        self, cell: Cell, rows: NDArray[np.int64], owners: NDArray[np.int64], depth: int
+    ) -> Iterator[Region]:
+        found = _Outline(self, cell, rows, owners)
+        changes = found.changes()
+        regions = found.regions(changes)
+        if regions is not None:
+            yield from regions
+            return
+        if not depth:
+            x, y = found.middle
+            raise ValueError(f"surfaces meet in too many lines at ({x:.3f}, {y:.3f}) m; change a parameter a little")
+        for half in self._halves(cell):
+            yield from self._parted(half, rows, owners, depth - 1)
+
+    def _halves(self, cell: Cell) -> list[Cell]:
+        x, y, _, _ = self.ground.outline(cell, np.linspace(0, 1, 5)[:-1])
+        wide = np.ptp(x) > np.ptp(y)
+        place = float((x.min() + x.max()) / 2 if wide else (y.min() + y.max()) / 2)
+        return self.ground.parted(cell, Cut((1.0, 0.0) if wide else (0.0, 1.0), place))
+
+
+@dataclass
+class _Change:
+    """Where on a cell's boundary one roof gives way to another: at a parameter of a part, whose own end it may be."""
+
+    part: int
+    at: float
+    place: Vector
+    before: int
+    after: int
+
+
+@dataclass
+class _Outline:
+    """A cell's boundary, seen from the roofs over it."""
+
+    skin: Skin
+    cell: Cell
+    rows: NDArray[np.int64]
+    owners: NDArray[np.int64]
+
+    @cached_property
+    def middle(self) -> Vector:
+        return self.skin.ground.inner(self.cell)
+
+    def changes(self) -> list[_Change]:
+        """In order; empty where one roof shows all around."""
+        ground, table = self.skin.ground, self.skin.table
+        x, y, parts, at = ground.outline(self.cell, EDGE_SHARES)
+        mx, my = self.middle
+        near, far = INWARDS
+        label, sure = shown(x + near * (mx - x), y + near * (my - y), table, self.rows, self.owners)
+        for k in range(len(self.cell.loop)):
+            edge = parts == k
+            if not sure[edge].any():  # two roofs are as high all along: what shows beside it counts
+                a, b = x[edge], y[edge]
+                label[edge], sure[edge] = shown(a + far * (mx - a), b + far * (my - b), table, self.rows, self.owners)
+        if not sure.any():  # all of them are as high everywhere
+            sure[:], label[:] = True, label[0]
+        self.labels = label[sure]
+        x, y, parts, at, label = x[sure], y[sure], parts[sure], at[sure], label[sure]
+        found: list[_Change] = []
+        for i in np.flatnonzero(label != np.roll(label, -1)).tolist():
+            j = (i + 1) % len(label)
+            if parts[i] == parts[j]:
+                found += self._between(int(parts[i]), at[i], at[j], int(label[i]), int(label[j]))
+            else:
+                found += self._around(i, j, parts, at, label)
+        return found
+
+    def _between(self, part: int, start: float, end: float, first: int, last: int) -> Iterator[_Change]:
+        """Changes along one part."""
+        way = self.skin.ground.ways[self.cell.loop[part].way]
+        row, before = way.row, first
+        for _ in range(4):
+            t, after = change(row, start, end, self.skin.table, self.rows, self.owners)
+            yield self._snapped(part, t, before, after)
+            if after == last:
+                return
+            start, before = t, after
+
+    def _around(
+        self, i: int, j: int, parts: NDArray[np.int64], at: Array, label: NDArray[np.int64]
+    ) -> Iterator[_Change]:
+        """Changes about the vertex between two parts."""
+        loop, first, last = self.cell.loop, int(label[i]), int(label[j])
+        k, following = int(parts[i]), int(parts[j])
+        x, y = (np.array([value]) for value in self.skin.ground.place(loop[following]))
+        a, b = (float(self.skin.height(int(self.rows[n]), x, y)[0]) for n in (first, last))
+        if abs(a - b) < SAME_HEIGHT or (k + 1) % len(loop) != following:
+            yield _Change(following, loop[following].start, self.skin.ground.place(loop[following]), first, last)
+            return
+        here = int(shown(x, y, self.skin.table, self.rows, self.owners)[0][0])
+        if here != first:
+            yield from self._between(k, float(at[i]), loop[k].end, first, here)
+        if here != last:
+            yield from self._between(following, loop[following].start, float(at[j]), here, last)
+
+    def _snapped(self, part: int, t: float, before: int, after: int) -> _Change:
+        """A change, at the end of its part if that is as near as cannot be told."""
+        ground, loop = self.skin.ground, self.cell.loop
+        way = ground.ways[loop[part].way]
+        place = way.at(t)
+        z = self._height(before, place)
+        for k, end in ((part, loop[part].start), ((part + 1) % len(loop), loop[part].end)):
+            corner = way.at(end)
+            if (
+                max(abs(corner[0] - place[0]), abs(corner[1] - place[1])) < SAME_PLACE
+                and abs(self._height(before, corner) - z) < SAME_PLACE
+            ):
+                return _Change(k, loop[k].start, corner, before, after)
+        return _Change(part, t, place, before, after)
+
+    def _height(self, label: int, place: Vector) -> float:
+        x, y = (np.array([value]) for value in place)
+        return float(self.skin.height(int(self.rows[label]), x, y)[0])
+
+    def regions(self, changes: list[_Change]) -> list[Region] | None:
+        """The regions of the cell, None where it must be halved first."""
+        inside = self._inside()
+        if not changes:
+            label = int(self.labels[0])
+            return [Region(int(self.rows[label]), list(self.cell.loop))] if set(inside) <= {label} else None
+        labels = [c.after for c in changes]
+        if len(changes) > 3 or len(set(labels)) < len(labels) or not set(inside) <= set(labels):
+            return None
+        if len(changes) == 2:
+            line = self._line(changes[0].place, changes[1].place, changes[0].before, changes[0].after)
+            if line is None:
+                return None
+            ways: list[list[Bound]] = [[Along(line, forward=False)], [Along(line, forward=True)]]
+        elif len(changes) == 3:
+            middle = self._meeting([c.after for c in changes])
+            if middle is None:
+                return None
+            lines = [self._line(c.place, middle, c.before, c.after) for c in changes]
+            if any(line is None for line in lines):
+                return None
+            ways = []
+            for k in range(3):
+                out, back = lines[(k + 1) % 3], lines[k]
+                assert out is not None
+                assert back is not None
+                ways.append([Along(out, forward=True), Along(back, forward=False)])
+        else:
+            return None
+        found = []
+        for k, (c, way) in enumerate(zip(changes, ways, strict=True)):
+            along = self._along(c, changes[(k + 1) % len(changes)])
+            found.append(Region(int(self.rows[c.after]), [*along, *way]))
+        return found
+
+    def _inside(self) -> list[int]:
+        x, y, _, _ = self.skin.ground.outline(self.cell, np.array([0.0, 0.35, 0.65]))
+        mx, my = self.middle
+        xs = (mx + np.outer(RAYS, x - mx)).ravel()
+        ys = (my + np.outer(RAYS, y - my)).ravel()
+        label, sure = shown(xs, ys, self.skin.table, self.rows, self.owners)
+        return [int(k) for k in np.unique(label[sure])]
+
+    def _along(self, start: _Change, end: _Change) -> list[Bound]:
+        """The boundary from one change to the next."""
+        loop, count = self.cell.loop, len(self.cell.loop)
+        if start.part == end.part and _ahead(loop[start.part], start.at, end.at):
+            return [Part(loop[start.part].way, start.at, end.at)]
+        found: list[Bound] = []
+        k, part = start.part, loop[start.part]
+        if start.at != part.end:
+            found.append(Part(part.way, start.at, part.end))
+        k = (k + 1) % count
+        while k != end.part:
+            found.append(loop[k])
+            k = (k + 1) % count
+        if end.at != loop[k].start:
+            found.append(Part(loop[k].way, loop[k].start, end.at))
+        return found
+
+    def _line(self, start: Vector, end: Vector, a: int, b: int) -> Line | None:
+        """The curve in which two roofs meet between two places, None where it cannot be followed."""
+        first, last = np.array(start), np.array(end)
+        rows = int(self.rows[a]), int(self.rows[b])
+
+        def points(share: Array) -> Array | None:
+            low, high = self._square(first, last, share)
+            plan = trace(first, last, share, low, high, self.skin.table, *rows)
+            if np.isnan(plan).any():
+                return None
+            x, y = np.concatenate([[first[0]], plan[:, 0], [last[0]]]), np.concatenate([[first[1]], plan[:, 1], [last[1]]])
+            z = [self.skin.height(row, x, y) for row in rows]
+            return np.stack([x, y, (z[0] + z[1]) / 2], axis=1)
+
+        dense = np.linspace(0, 1, DENSE)
+        there = points((1 - np.cos(np.pi * dense[1:-1])) / 2)
+        if there is None:
+            return None
+        laid = points((1 - np.cos(np.pi * nodes(there, dense)[1:-1])) / 2)
+        return None if laid is None else Line(start, end, Spline.through(MM * laid))
+
+    def _square(self, start: Array, end: Array, share: Array) -> tuple[Array, Array]:
+        """How far the cell reaches to the right and to the left of places on a chord, square to it (n,)."""
+        x, y, _, _ = self.skin.ground.outline(self.cell, np.linspace(0, 1, 9)[:-1])
+        way = (end - start) / np.hypot(*(end - start))
+        along = (x - start[0]) * way[0] + (y - start[1]) * way[1]
+        aside = (y - start[1]) * way[0] - (x - start[0]) * way[1]
+        along1, aside1 = np.roll(along, -1), np.roll(aside, -1)
+        place = share * np.hypot(*(end - start))
+        rise = along1 - along
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = (place[:, None] - along) / rise
+        meets = (t >= 0) & (t <= 1) & (np.abs(rise) > 0)
+        s = aside + np.where(meets, t, 0.0) * (aside1 - aside)
+        low = np.where(meets & (s <= 0), s, -np.inf).max(axis=1)
+        high = np.where(meets & (s >= 0), s, np.inf).min(axis=1)
+        return np.where(np.isfinite(low), low, 0.0), np.where(np.isfinite(high), high, 0.0)
+
+    def _meeting(self, labels: list[int]) -> Vector | None:
+        """Where three roofs are as high, by Newton's method from the middle of the cell."""
+        place = np.array(self.middle)
+        x, y, _, _ = self.skin.ground.outline(self.cell, np.array([0.0, 0.5]))
+        size = max(np.ptp(x), np.ptp(y))
+        step = 1e-6 * size
+
+        def miss(at: Array) -> Array:
+            z = [self._height(k, (float(at[0]), float(at[1]))) for k in labels]
+            return np.array([z[0] - z[1], z[1] - z[2]])
+
+        for _ in range(40):
+            here = miss(place)
+            slopes = np.stack([(miss(place + d) - miss(place - d)) / (2 * step) for d in step * np.eye(2)], axis=1)
+            det = np.linalg.det(slopes)
+            if abs(det) < 1e-14:
+                return None
+            way = np.linalg.solve(slopes, here)
+            way *= min(1.0, 0.3 * size / max(np.hypot(*way), 1e-300))
+            place = place - way
+            if np.abs(way).max() < 1e-13:
+                break
+        if np.abs(miss(place)).max() > 1e-9:
+            return None
+        found = float(place[0]), float(place[1])
+        ox, oy, _, _ = self.skin.ground.outline(self.cell, np.linspace(0, 1, 9)[:-1])
+        return found if contains(ox, oy, found) else None
+
+
+def _ahead(part: Part, start: float, end: float) -> bool:
+    return (end - start) * (part.end - part.start) > 0
+
+
+def nodes(points: Array, dense: Array) -> Array:
+    """Shares (`NODES`,) at even lengths and turns of a curve through points (n, 3) at shares (n,).
+
+    Roofs nearly as high turn their line sharply by the crown. Denser towards the ends, where splines are the least
+    accurate.
+    """
+    steps = np.diff(points, axis=0)
+    lengths = np.linalg.norm(steps, axis=1)
+    ways = steps / np.maximum(lengths, 1e-300)[:, None]
+    turns = np.linalg.norm(np.diff(ways, axis=0), axis=1)
+    effort = np.cumsum(lengths / lengths.sum() + (np.append(turns, 0.0) + np.append(0.0, turns)) / 2)
+    even = np.linspace(0, 1, NODES)
+    share = np.interp((even + (1 - np.cos(np.pi * even)) / 2) / 2 * effort[-1], np.append(0.0, effort), dense)
+    share[[0, -1]] = 0.0, 1.0
+    return share

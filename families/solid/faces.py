@@ -1,0 +1,406 @@
+"""The faces of a body between two skins: roofs, the walls at which a skin steps, and the body's sides."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import atan2, hypot, pi
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from families.declaration.plan import Vector
+from families.declaration.units import MM
+from families.solid.boundary import Loop, Pole, Step
+from families.solid.curves import Point, Spline, Straight
+from families.solid.envelope import DENSE, SAME_HEIGHT, Line, Skin, nodes
+from families.solid.face_net import ONE, Net, Patch
+from families.solid.heights import change, shown
+from families.solid.plan_cells import SAME_PLACE, Ground, Part
+from families.solid.plane_regions import regions
+from families.solid.roofs import TurnedRoof, Void
+from families.solid.surfaces import Drum, Flat, Sheet
+
+Array = NDArray[np.float64]
+BETWEEN = np.array([0.13, 0.31, 0.5, 0.69, 0.87])  # shares of an edge at which heights on both sides are compared
+MIDDLE = np.array([0.5])
+OUTSIDE = 1e-5  # [m] beyond a side, where it is looked what stands there
+LOOKS = 24  # places along a side at which it is looked what stands beyond
+SAME_STOP = 1e-9  # [m]
+Piece = tuple[int, int]  # of a way, from one of its stops to the next
+
+
+class Sides(NamedTuple):
+    """The roofs on the left and on the right of a piece; -1 where there is none."""
+
+    left: int = -1
+    right: int = -1
+
+    @property
+    def inner(self) -> int:
+        """The roof at the edge of a region."""
+        return max(self)
+
+
+class Wall(NamedTuple):
+    """An upright surface, whether the body lies where its normal points, and whether it is of the void's own."""
+
+    sheet: Sheet
+    flipped: bool
+    shown: bool
+
+
+@dataclass
+class Faces:
+    """What is to be added to a net; `beyond` is the void without its plan, where walls shall be told from sides."""
+
+    net: Net
+    ground: Ground
+    top: Skin
+    bottom: Skin
+    beyond: Void | None = None
+    walls: dict[Wall, Loop] = field(default_factory=lambda: defaultdict(list))
+    _sheets: dict[tuple[float, ...], Sheet] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Lay all steps."""
+        self.outer = Skin(self.ground)
+        self.stops: dict[int, list[float]] = {}
+        self._stop(self._ends())
+        crossings = [*self._crossings(self.top), *self._crossings(self.bottom), *self._changes_beyond()]
+        if crossings:
+            self._stop(crossings)
+        self.above, self.below = self._seen(self.top), self._seen(self.bottom)
+        self.roofs: tuple[dict[int, Loop], dict[int, Loop]] = (defaultdict(list), defaultdict(list))
+        for skin, seen, steps, upper in (
+            (self.top, self.above, self.roofs[0], True),
+            (self.bottom, self.below, self.roofs[1], False),
+        ):
+            self._lines(skin, steps)
+            self._inner(skin, seen, steps, upper)
+        self._outer()
+
+    def close(self) -> None:
+        """Add all faces."""
+        self._add_roofs(self.top, self.roofs[0], flipped=False)
+        self._add_roofs(self.bottom, self.roofs[1], flipped=True)
+        self._add_walls(self.walls)
+
+    def show(self) -> None:
+        """Add the roofs of the top and the walls of the void, not the sides at which its plan ends."""
+        self._add_roofs(self.top, self.roofs[0], flipped=False)
+        self._add_walls([wall for wall in self.walls if wall.shown])
+
+    # Where the pieces of ways begin and end.
+
+    def _ends(self) -> Iterator[tuple[int, float]]:
+        for skin in (self.top, self.bottom):
+            for region in skin.regions:
+                for part in region.loop:
+                    if isinstance(part, Part):
+                        yield from ((part.way, part.start), (part.way, part.end))
+
+    def _stop(self, at: Iterable[tuple[int, float]]) -> None:
+        found: dict[int, list[float]] = defaultdict(list)
+        for way, t in at:
+            found[way].append(t)
+        for way, ends in found.items():
+            self.stops[way] = self._apart(way, sorted({*ends, *self.stops.get(way, [])}))
+
+    def _apart(self, way: int, at: list[float]) -> list[float]:
+        """Stops at one place once."""
+        kept: list[float] = []
+        (a, b), (c, d) = self.ground.ways[way].start, self.ground.ways[way].end
+        size = hypot(c - a, d - b)
+        for t in at:
+            if not kept or (t - kept[-1]) * size > SAME_STOP:
+                kept.append(t)
+            elif t == 1.0:
+                kept[-1] = t
+        return kept
+
+    def _pieces(self, part: Part) -> Iterator[Piece]:
+        stops = self.stops[part.way]
+        first, last = self._nearest(stops, part.start), self._nearest(stops, part.end)
+        for k in range(min(first, last), max(first, last)):
+            yield part.way, k
+
+    @staticmethod
+    def _nearest(stops: list[float], t: float) -> int:
+        k = bisect_left(stops, t)
+        if k == len(stops) or (k and t - stops[k - 1] < stops[k] - t):
+            return k - 1
+        return k
+
+    def _seen(self, skin: Skin) -> dict[Piece, Sides]:
+        """What a skin shows on both sides of each piece."""
+        found: dict[Piece, Sides] = {}
+        for region in skin.regions:
+            for part in region.loop:
+                if isinstance(part, Part):
+                    for piece in self._pieces(part):
+                        left, right = found.get(piece, (-1, -1))
+                        found[piece] = Sides(region.roof, right) if part.end > part.start else Sides(left, region.roof)
+        return found
+
+    def _span(self, piece: Piece) -> tuple[float, float]:
+        way, k = piece
+        return self.stops[way][k], self.stops[way][k + 1]
+
+    def _places(self, piece: Piece, shares: Array) -> tuple[Array, Array]:
+        start, end = self._span(piece)
+        return self.ground.ways[piece[0]].places(start + shares * (end - start))
+
+    def _crossings(self, skin: Skin) -> Iterator[tuple[int, float]]:
+        """Where the two sides of a wall are as high."""
+        for piece, (left, right) in self._seen(skin).items():
+            if left == right or left < 0 or right < 0:
+                continue
+            x, y = self._places(piece, BETWEEN)
+            miss = skin.height(left, x, y) - skin.height(right, x, y)
+            if miss.min() > -SAME_HEIGHT or miss.max() < SAME_HEIGHT:
+                continue
+            way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
+
+            def off(t: float, way: Any = way, left: int = left, right: int = right) -> float:
+                a, b = way.places(np.array([t]))
+                return float((skin.height(left, a, b) - skin.height(right, a, b))[0])
+
+            at = start + BETWEEN * (end - start)
+            for j in np.flatnonzero(miss[:-1] * miss[1:] < 0).tolist():
+                yield piece[0], float(brentq(off, at[j], at[j + 1], xtol=1e-15))
+
+    def _changes_beyond(self) -> Iterator[tuple[int, float]]:
+        """Where what stands beyond a side of the plan changes."""
+        if self.beyond is None:
+            return
+        for piece, sides in self._seen(self.top).items():
+            if -1 not in sides:
+                continue
+            rows, owners = self._outside(piece, sides)
+            if len(rows) < 2:
+                continue
+            way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
+            at = start + (end - start) * (np.arange(LOOKS) + 0.5) / LOOKS
+            label, sure = shown(*way.places(at), self.outer.table, rows, owners)
+            at, label = at[sure], label[sure]
+            for j in np.flatnonzero(np.diff(label)).tolist():
+                yield piece[0], change(way.row, at[j], at[j + 1], self.outer.table, rows, owners)[0]
+
+    def _outside(self, piece: Piece, sides: Sides) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The roofs of the void beyond a side, and the pieces to which they belong."""
+        assert self.beyond is not None
+        x, y = (float(value[0]) for value in self._places(piece, MIDDLE))
+        nx, ny = self._right(piece[0], x, y)
+        step = OUTSIDE if sides.left >= 0 else -OUTSIDE
+        pieces = self.beyond.over(x + step * nx, y + step * ny)
+        rows = [self.outer.number(roof) for roofs in pieces for roof in roofs]
+        owners = [k for k, roofs in enumerate(pieces) for _ in roofs]
+        return np.array(rows, np.int64), np.array(owners, np.int64)
+
+    def _right(self, number: int, x: float, y: float) -> Vector:
+        """Unit vector to the right of a way at a place."""
+        way = self.ground.ways[number]
+        if way.centre is None:
+            dx, dy = way.end[0] - way.start[0], way.end[1] - way.start[1]
+            size = hypot(dx, dy)
+            return dy / size, -dx / size
+        turn = 1 if way.sweep > 0 else -1
+        return turn * (x - way.centre[0]) / way.radius, turn * (y - way.centre[1]) / way.radius
+
+    # Steps along the edges of roofs.
+
+    def _lines(self, skin: Skin, steps: dict[int, Loop]) -> None:
+        """Where roofs meet within cells."""
+        known: dict[Line, Step] = {}
+        for region in skin.regions:
+            for along in region.loop:
+                if not isinstance(along, Part):
+                    line = along.line
+                    step = known.setdefault(line, Step(line.spline, 0.0, line.spline.end))
+                    steps[region.roof].append(step if along.forward else step.reversed)
+
+    def _inner(self, skin: Skin, seen: dict[Piece, Sides], steps: dict[int, Loop], upper: bool) -> None:
+        """Where roofs meet, or step, along the ways."""
+        for piece, (left, right) in seen.items():
+            if left == right or left < 0 or right < 0:
+                continue
+            x, y = self._places(piece, BETWEEN)
+            miss = skin.height(left, x, y) - skin.height(right, x, y)
+            if np.abs(miss).max() < SAME_HEIGHT:
+                step = self._step(skin, (left, right), piece)
+                steps[left].append(step)
+                steps[right].append(step.reversed)
+                continue
+            own = self._step(skin, (left,), piece), self._step(skin, (right,), piece)
+            steps[left].append(own[0])
+            steps[right].append(own[1].reversed)
+            higher = bool(miss[2] > 0)
+            lower, top = own[::-1] if higher else own
+            self._wall(piece, lower, top, left=higher == upper, shown=upper)
+
+    def _outer(self) -> None:
+        """Along the edge of the plan, and where nothing stands beyond a wall."""
+        for piece, sides in self.above.items():
+            if -1 not in sides:
+                continue
+            roof, floor = sides.inner, self.below[piece].inner
+            x, y = self._places(piece, BETWEEN)
+            high, low = self.top.height(roof, x, y), self.bottom.height(floor, x, y)
+            left = sides.left >= 0
+            top = self._step(self.top, (roof,), piece)
+            self.roofs[0][roof].append(top if left else top.reversed)
+            foot = top if np.abs(high - low).max() < SAME_HEIGHT else self._step(self.bottom, (floor,), piece)
+            self.roofs[1][floor].append(foot if left else foot.reversed)
+            if foot is top:
+                continue
+            for lower, upper, own in self._strips(piece, sides, (foot, low), (top, high)):
+                self._wall(piece, lower, upper, left=left, shown=own)
+
+    def _strips(
+        self, piece: Piece, sides: Sides, foot: tuple[Step, Array], top: tuple[Step, Array]
+    ) -> Iterator[tuple[Step, Step, bool]]:
+        """A side parted by height: below, where the void goes on, it is the plan's; above, it is the void's own wall."""
+        rows = self._outside(piece, sides)[0] if self.beyond is not None else np.empty(0, np.int64)
+        if self.beyond is not None and not len(rows):
+            yield foot[0], top[0], True
+            return
+        if self.beyond is None:
+            yield foot[0], top[0], False
+            return
+        x, y = self._places(piece, MIDDLE)
+        rows, owners = self._outside(piece, sides)
+        label = int(rows[shown(x, y, self.outer.table, rows, owners)[0][0]])
+        over = self.outer.height(label, *self._places(piece, BETWEEN))
+        if (over - top[1]).max() > -SAME_HEIGHT:
+            yield foot[0], top[0], False
+        elif (over - foot[1]).min() < SAME_HEIGHT:
+            yield foot[0], top[0], True
+        else:
+            middle = self._step(self.outer, (label,), piece)
+            yield foot[0], middle, False
+            yield middle, top[0], True
+
+    def _step(self, skin: Skin, roofs: tuple[int, ...], piece: Piece) -> Step:
+        """The step over a piece, forwards, on roofs that are as high there: exact on one of them, else laid through."""
+        way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
+        t = np.array([start, end])
+        x, y = way.places(t)
+        for roof in roofs:
+            z = skin.height(roof, x, y)
+            ends = [(MM * float(a), MM * float(b), MM * float(c)) for a, b, c in zip(x, y, z, strict=True)]
+            step = skin.roofs[roof].exact(way, start, end, (ends[0], ends[1]))
+            if step is not None:
+                return step
+
+        def points(share: Array) -> Array:
+            a, b = way.places(start + (1 - np.cos(np.pi * share)) / 2 * (end - start))
+            return np.stack([a, b, skin.height(roofs[0], a, b)], axis=1)
+
+        dense = np.linspace(0, 1, DENSE)
+        spline = Spline.through(MM * points(nodes(points(dense), dense)))
+        return Step(spline, 0.0, spline.end)
+
+    # Walls.
+
+    def _wall(self, piece: Piece, lower: Step, upper: Step, *, left: bool, shown: bool) -> None:
+        """Upright between two steps over a piece; the body is on its left or right."""
+        sheet, turned = self._upright(piece)
+        first, last = lower.places[[0, 2]], upper.places[[0, 2]]
+        loop = [lower]
+        if last[1, 2] - first[1, 2] > ONE:
+            loop.append(_plumb(first[1], last[1]))
+        loop.append(upper.reversed)
+        if last[0, 2] - first[0, 2] > ONE:
+            loop.append(_plumb(last[0], first[0]))
+        # Its normal points to the right of the way, or to the left if the surface was turned.
+        if turned:
+            loop = [step.reversed for step in loop[::-1]]
+        self.walls[Wall(sheet, left == turned, shown)] += loop
+
+    def _upright(self, piece: Piece) -> tuple[Sheet, bool]:
+        """The upright surface over a piece, one for all that lie on it; whether its normal points to the left."""
+        way = self.ground.ways[piece[0]]
+        if way.centre is not None:
+            start, end = self._span(piece)
+            quarter = (way.angle + (start + end) / 2 * way.sweep) // (pi / 2)
+            (x, y), radius = way.centre, way.radius
+            key = (x, y, round(radius, 6), quarter % 4)
+            about = (quarter + 0.5) * pi / 2
+            sheet = self._sheets.setdefault(key, Drum((MM * x, MM * y), MM * radius, about))
+            return sheet, way.sweep < 0
+        nx, ny = self._right(piece[0], 0.0, 0.0)
+        turned = nx < -SAME_PLACE or (abs(nx) <= SAME_PLACE and ny < 0)
+        if turned:
+            nx, ny = -nx, -ny
+        offset = nx * way.start[0] + ny * way.start[1]
+        key = (round(nx, 6), round(ny, 6), round(offset, 6))
+        return self._sheets.setdefault(key, Flat.upright((nx, ny), MM * offset)), turned
+
+    # Faces.
+
+    def _add_roofs(self, skin: Skin, steps: dict[int, Loop], *, flipped: bool) -> None:
+        for number, loop in steps.items():
+            roof = skin.roofs[number]
+            for loops in self._closed(_plan, loop):
+                if isinstance(roof, TurnedRoof) and roof.quarter >= 0 and not roof.radius:
+                    loops = [_with_pole(roof, one) for one in loops]
+                self.net.add(Patch(roof.sheet, loops, flipped))
+
+    def _add_walls(self, walls: Iterable[Wall]) -> None:
+        chosen = list(walls)
+        for steps in (*self.roofs[0].values(), *self.roofs[1].values()):
+            for step in steps:
+                self.net.ends(step)
+        loops = self.net.cut([self.walls[wall] for wall in chosen])
+        for wall, loop in zip(chosen, loops, strict=True):
+            for found in self._closed(wall.sheet.parameters, loop):
+                self.net.add(Patch(wall.sheet, found, wall.flipped))
+
+    def _closed(self, parameters: Any, steps: Loop) -> list[list[Loop]]:
+        """The regions that steps bound, less those that run back and forth."""
+        ends = [self.net.ends(step) for step in steps]
+        kept: list[tuple[Step, tuple[int, int]]] = []
+        back: dict[tuple[int, int], list[int]] = defaultdict(list)
+        dropped: set[int] = set()
+        for k, (a, b) in enumerate(ends):
+            if a == b:
+                dropped.add(k)
+                continue
+            for j in back.get((b, a), ()):
+                if j not in dropped and np.abs(steps[j].places[1] - steps[k].places[1]).max() < ONE:
+                    dropped |= {j, k}
+                    break
+            else:
+                back[a, b].append(k)
+        kept = [(step, end) for k, (step, end) in enumerate(zip(steps, ends, strict=True)) if k not in dropped]
+        return regions(parameters, [step for step, _ in kept], [end for _, end in kept]) if kept else []
+
+
+def _plan(points: Array) -> Array:
+    return points[:, :2]
+
+
+def _plumb(start: Array, end: Array) -> Step:
+    x, y = start[:2].tolist()
+    return Step(Straight((0.0, 0.0, 1.0), (x, y, 0.0)), float(start[2]), float(end[2]))
+
+
+def _with_pole(roof: TurnedRoof, loop: Loop) -> Loop:
+    """A loop with the line of parameters that is the apex, where it passes that."""
+    place = MM * np.array(roof.centre)
+    found: Loop = []
+    for k, step in enumerate(loop):
+        found.append(step)
+        following = loop[(k + 1) % len(loop)]
+        apex = step.places[2]
+        if np.abs(apex[:2] - place).max() < ONE:
+            (first, _), (last, _) = (roof.sheet.parameters(s.points(0.5))[0] for s in (step, following))
+            v = float(roof.sheet.parameters(apex[None])[0, 1])
+            found.append(Pole(step.path, step.end, step.end, (float(first), v), (float(last), v)))
+    return found
