@@ -63,7 +63,7 @@ class BarrelPart:
 
 @dataclass(frozen=True)
 class Ball:
-    """Sphere about `centre` at height z, upper part; below its centre a wall. `names`: one, or one a quarter of plan."""
+    """Sphere about `centre` at height z, upper part; below that a wall. `names`: one, or one a quarter of plan."""
 
     z: float
     radius: float

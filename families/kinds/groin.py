@@ -133,11 +133,11 @@ class Groin(Vault):
 
     def pieces(self) -> tuple[Piece, ...]:
         """Two barrels, both with their axes lifted by as much at the middle."""
-        plan = self.plan
+        half_x, half_y = self.span_x / 2 + self.offset_x, self.span_y / 2 + self.offset_y
 
         def barrel(span: float, profile: Profile, across: Vector, names: tuple[str, str]) -> Piece:
             curve = profile.curve(span / 2)
-            length = plan.half_y if across == X else plan.half_x
+            length = half_y if across == X else half_x
             return Piece((BarrelPart(across, curve, names, crown_rise=self.crown_rise, half_length=length),))
 
         return (

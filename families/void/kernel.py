@@ -15,20 +15,23 @@ from numba import njit
 from numpy.typing import NDArray
 
 from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Piece, Turned
-from families.declaration.plan import Plan
+from families.declaration.plan import BOX, CENTRE_X, CENTRE_Y, NOTCH, OTHER, REACH, SHAPE, WITHIN, Plan
 from families.declaration.profiles import Curve
 
 Array = NDArray[np.float64]
 
 # Columns of the packed table, one row a body.
-PIECE, KIND, ACROSS, CENTRE, BASE, SIDE, CROWN_RISE, HALF_LENGTH = range(8)
-HALF_SPAN, RISE, STILT, ARCS, U1, Z1, R1, U2, Z2, R2 = range(8, 18)
-NAME, NAMING = 18, 22  # four names from 18 on; NAMING says how the name is chosen
-WIDTH = 23
+PIECE, KIND, X, Y, ACROSS_X, ACROSS_Y, BASE, SIDE, CROWN_RISE, HALF_LENGTH, SLOPE, SPLAY, FLARE, RADIUS = range(14)
+HALF_SPAN, RISE, STILT, ARCS, U1, Z1, R1, U2, Z2, R2 = range(14, 24)
+NAME, NAMING = 24, 28  # four names from 24 on; NAMING says how the name is chosen
+WIDTH = 29
 
-BARREL, BALL, TURNED, CEILING, LID = range(5)
-WALL_X, WALL_Y = -1, -2  # rows of the walls, which are in no table
+BARREL, TAPERED, BALL, TURNED, CEILING, LID = range(6)  # TAPERED: a barrel that widens or grows higher
 ALONG, QUARTER, HEIGHT = range(3)  # NAMING: by the sign along the axis, by the corner of the plan, by the height
+BELOW = 2  # which of a barrel's names is that of its walls; 0 if they have none of their own
+APEX = 1e-6  # share of its size at its origin that is left of a tapered barrel beyond its apex
+
+NO_WALLS = np.empty((0, 5))
 
 
 def pack(pieces: tuple[Piece, ...], components: tuple[str, ...]) -> Array:
@@ -39,8 +42,8 @@ def pack(pieces: tuple[Piece, ...], components: tuple[str, ...]) -> Array:
 
 
 def pack_plan(plan: Plan | None) -> Array:
-    """Half extents (2,) of the walls, infinite if there are none."""
-    return np.array([inf, inf]) if plan is None else np.array([plan.half_x, plan.half_y])
+    """Table (sides, 5) of the walls on a plan (`families.declaration.plan`), of no side if there are none."""
+    return NO_WALLS if plan is None else plan.table
 
 
 def _row(piece: int, part: Part, ids: dict[str, float]) -> list[float]:
@@ -48,22 +51,28 @@ def _row(piece: int, part: Part, ids: dict[str, float]) -> list[float]:
     row[PIECE] = piece
     match part:
         case BarrelPart():
-            row[KIND], row[NAMING], row[ACROSS] = BARREL, ALONG, float(part.across == "y")
-            row[CENTRE], row[BASE], row[SIDE] = part.centre, part.base, part.side
-            row[CROWN_RISE], row[HALF_LENGTH] = part.crown_rise, part.half_length
+            row[KIND], row[NAMING] = TAPERED if part.splay or part.flare else BARREL, ALONG
+            row[X:BASE] = *part.origin, *part.across
+            row[BASE], row[SIDE], row[SLOPE], row[SPLAY] = part.base, part.side, part.slope, part.splay
+            row[FLARE], row[CROWN_RISE], row[HALF_LENGTH] = part.flare, part.crown_rise, part.half_length
             row[HALF_SPAN:NAME] = _curve(part.curve)
+            row[NAME : NAME + BELOW] = [ids[n] for n in part.names]
+            row[NAME + BELOW] = ids[part.below] if part.below else 0.0
+            return row
         case Ball():
             row[KIND], row[NAMING], row[BASE], row[R1] = BALL, QUARTER, part.z, part.radius
+            row[X], row[Y] = part.centre
         case Turned():
-            row[KIND], row[NAMING], row[BASE] = TURNED, HEIGHT, part.base
+            row[KIND], row[NAMING], row[BASE], row[RADIUS] = TURNED, HEIGHT, part.base, part.radius
+            row[X], row[Y] = part.centre
             row[HALF_SPAN:NAME] = _curve(part.curve)
         case Ceiling():
             row[KIND], row[BASE] = CEILING, part.z
         case Lid():
             row[KIND], row[BASE] = LID, part.z
             return row
-    names = part.names * (4 // len(part.names)) if len(part.names) != 3 else part.names
-    row[NAME : NAME + len(names)] = [ids[n] for n in names]
+    names = part.names * (4 // len(part.names))
+    row[NAME : NAME + 4] = [ids[n] for n in names]
     return row
 
 
@@ -129,57 +138,85 @@ def _profile(u: float, z: float, parts: Array, k: int) -> tuple[float, float, fl
 
 
 @inner
+def _tapered(u: float, along: float, h: float, climb: float, parts: Array, k: int) -> tuple[float, float, float, float]:
+    """Signed distance and normal (across, up, along) of a place beside a barrel that widens or grows higher.
+
+    Where its arch, as large as it is there, has its nearest point stands for the place itself in the slopes along the
+    axis: exact at the surface, and as large as it should be up to the apex.
+    """
+    span, size = max(1.0 + parts[k, SPLAY] * along, APEX), max(1.0 + parts[k, FLARE] * along, APEX)
+    d, nu, nz = _profile(u / span, h / size, parts, k)
+    foot_u, foot_h = u / span - d * nu, h / size - d * nz
+    nu, nz = nu / span, nz / size
+    na = -nu * foot_u * parts[k, SPLAY] - nz * (climb + foot_h * parts[k, FLARE])
+    steep = sqrt(nu * nu + nz * nz + na * na)
+    return d / steep, nu / steep, nz / steep, na / steep
+
+
+@inner
 def _body(x: float, y: float, z: float, parts: Array, k: int) -> tuple[float, float, float, float]:
     """Signed distance and normal of a point to the body in row k; -inf where it says nothing."""
     kind = parts[k, KIND]
-    if kind == BARREL:
-        across, along = (x, y) if parts[k, ACROSS] == 0.0 else (y, x)
-        u = across - parts[k, CENTRE]
-        if parts[k, SIDE] != 0.0:
-            u *= parts[k, SIDE]
-            if u < 0.0:
-                return -inf, 0.0, 0.0, 1.0
-            sign = parts[k, SIDE]
-        else:
-            sign = 1.0 if u >= 0.0 else -1.0
-            u = abs(u)
+    if kind <= TAPERED:
+        x, y = x - parts[k, X], y - parts[k, Y]
+        u, along = _across(x, y, parts, k)
+        sign = 1.0 if u >= 0.0 else -1.0
+        if parts[k, SIDE] * sign < 0.0:
+            return -inf, 0.0, 0.0, 1.0
+        u = abs(u)
         # The axis is a parabola: with straight slopes the lower of two crossing barrels would come out at the middle.
         way = along / parts[k, HALF_LENGTH]
-        slope = 2.0 * parts[k, CROWN_RISE] * way / parts[k, HALF_LENGTH]
-        h = z - parts[k, BASE] - parts[k, CROWN_RISE] * (1.0 - way * way)
-        d, nu, nz = _profile(u, h, parts, k)
-        if slope != 0.0:
-            na = nz * slope
-            size = sqrt(1.0 + na * na)
-            d, nu, nz, na = d / size, nu / size, nz / size, na / size
+        climb = parts[k, SLOPE] - 2.0 * parts[k, CROWN_RISE] * way / parts[k, HALF_LENGTH]
+        h = z - parts[k, BASE] - (parts[k, SLOPE] * along + parts[k, CROWN_RISE] * (1.0 - way * way))
+        if kind == BARREL:
+            d, nu, nz = _profile(u, h, parts, k)
+            na = -nz * climb
+            if na != 0.0:
+                size = sqrt(1.0 + na * na)
+                d, nu, nz, na = d / size, nu / size, nz / size, na / size
         else:
-            na = 0.0
+            d, nu, nz, na = _tapered(u, along, h, climb, parts, k)
         nu *= sign
-        return (d, nu, na, nz) if parts[k, ACROSS] == 0.0 else (d, na, nu, nz)
+        cx, cy = parts[k, ACROSS_X], parts[k, ACROSS_Y]
+        return d, nu * cx - na * cy, nu * cy + na * cx, nz
     if kind == BALL:
-        h = z - parts[k, BASE]
+        x, y, h = x - parts[k, X], y - parts[k, Y], z - parts[k, BASE]
         if h < 0.0:
             size = sqrt(x * x + y * y)
             return size - parts[k, R1], x / max(size, 1e-300), y / max(size, 1e-300), 0.0
         size = max(sqrt(x * x + y * y + h * h), 1e-300)
         return size - parts[k, R1], x / size, y / size, h / size
     if kind == TURNED:
+        x, y = x - parts[k, X], y - parts[k, Y]
         rho = sqrt(x * x + y * y)
-        d, nu, nz = _profile(rho, z - parts[k, BASE], parts, k)
+        u = rho - parts[k, RADIUS]
+        d, nu, nz = _profile(abs(u), z - parts[k, BASE], parts, k)
         if rho < 1e-12:
             return d, 0.0, 0.0, 1.0
+        if u < 0.0:
+            nu = -nu
         return d, nu * x / rho, nu * y / rho, nz
     return z - parts[k, BASE], 0.0, 0.0, 1.0
 
 
 @inner
+def _across(x: float, y: float, parts: Array, k: int) -> tuple[float, float]:
+    """Place in plan, from the origin of the barrel in row k, across its axis and along it."""
+    cx, cy = parts[k, ACROSS_X], parts[k, ACROSS_Y]
+    return x * cx + y * cy, y * cx - x * cy
+
+
+@inner
 def _name(x: float, y: float, z: float, parts: Array, row: int) -> int:
     if parts[row, NAMING] == QUARTER:
-        k = (1 if x > 0.0 else 0) + (2 if y > 0.0 else 0)
+        k = (1 if x > parts[row, X] else 0) + (2 if y > parts[row, Y] else 0)
     elif parts[row, NAMING] == HEIGHT:
         k = 1 if z > parts[row, BASE] else 0
     else:
-        k = 1 if (y if parts[row, ACROSS] == 0.0 else x) > 0.0 else 0
+        _, along = _across(x - parts[row, X], y - parts[row, Y], parts, row)
+        k = 1 if along > 0.0 else 0
+        if parts[row, NAME + BELOW] != 0.0 and z - parts[row, BASE] <= parts[row, SLOPE] * along:
+            k = BELOW
     return int(parts[row, NAME + k])
 
 
@@ -204,13 +241,56 @@ def _void(x: float, y: float, z: float, parts: Array) -> tuple[float, int, int, 
 
 
 @inner
+def _side(x: float, y: float, plan: Array, k: int) -> float:
+    """Signed distance of a place in plan to a side, negative where the plan is."""
+    if abs(plan[k, SHAPE]) != WITHIN:
+        return x * plan[k, CENTRE_X] + y * plan[k, CENTRE_Y] - plan[k, REACH]  # type: ignore[no-any-return]
+    x, y = x - plan[k, CENTRE_X], y - plan[k, CENTRE_Y]
+    return plan[k, SHAPE] * (sqrt(x * x + y * y) - plan[k, REACH])  # type: ignore[no-any-return]
+
+
+@inner
+def _wall(x: float, y: float, plan: Array) -> float:
+    """Signed distance to the walls; see `Plan.distance`."""
+    if len(plan) and plan[0, SHAPE] == BOX:
+        return max(abs(x) - plan[1, REACH], abs(y) - plan[0, REACH])  # type: ignore[no-any-return]
+    most = -inf
+    for k in range(len(plan)):
+        d = _side(x, y, plan, k)
+        if plan[k, SHAPE] == NOTCH:
+            d = min(d, _side(x, y, plan, int(plan[k, OTHER])))
+        most = max(most, d)
+    return most
+
+
+@inner
+def _nearest(x: float, y: float, plan: Array, wall: float) -> int:
+    """The side that has the distance to the walls."""
+    if plan[0, SHAPE] == BOX:
+        if abs(x) - plan[1, REACH] == wall:
+            return 1 if x > 0.0 else 3
+        return 2 if y > 0.0 else 0
+    for k in range(len(plan)):
+        if _side(x, y, plan, k) == wall:
+            return k
+    return 0
+
+
+@inner
 def _room(x: float, y: float, z: float, parts: Array, plan: Array) -> tuple[float, int, int, float, float, float]:
-    """The same for the vault on its walls: component 0 on the walls, above and below the springing; rows -1 and -2."""
+    """The same for the vault on its walls: component 0 on the walls, above and below the springing.
+
+    The row of a wall is -1 less the index of its side.
+    """
     d, name, row, nx, ny, nz = _void(x, y, z, parts)
-    if abs(x) - plan[0] > d:
-        d, name, row, nx, ny, nz = abs(x) - plan[0], 0, WALL_X, (1.0 if x > 0.0 else -1.0), 0.0, 0.0
-    if abs(y) - plan[1] > d:
-        d, name, row, nx, ny, nz = abs(y) - plan[1], 0, WALL_Y, 0.0, (1.0 if y > 0.0 else -1.0), 0.0
+    wall = _wall(x, y, plan)
+    if wall > d:
+        side = _nearest(x, y, plan, wall)
+        d, name, row, nx, ny, nz = wall, 0, -1 - side, plan[side, CENTRE_X], plan[side, CENTRE_Y], 0.0
+        if abs(plan[side, SHAPE]) == WITHIN:
+            x, y = x - nx, y - ny
+            size = plan[side, SHAPE] * max(sqrt(x * x + y * y), 1e-300)
+            nx, ny = x / size, y / size
     return d, name if z >= -1e-9 else 0, row, nx, ny, nz
 
 
@@ -231,7 +311,7 @@ def distances(xyz: Array, frame: Array, parts: Array, plan: Array) -> Array:
     out = np.empty(len(xyz))
     for i in range(len(xyz)):
         x, y, z = _moved(xyz, i, frame)
-        out[i] = _room(x, y, z, parts, plan)[0]
+        out[i] = max(_void(x, y, z, parts)[0], _wall(x, y, plan))
     return out
 
 
@@ -268,10 +348,8 @@ def to_rows(xyz: Array, frame: Array, parts: Array, plan: Array, rows: NDArray[n
     out = np.empty(len(xyz))
     for i in range(len(xyz)):
         x, y, z = _moved(xyz, i, frame)
-        if rows[i] == WALL_X:
-            out[i] = abs(x) - plan[0]
-        elif rows[i] == WALL_Y:
-            out[i] = abs(y) - plan[1]
+        if rows[i] < 0:
+            out[i] = _side(x, y, plan, -1 - rows[i])
         else:
             out[i] = _body(x, y, z, parts, rows[i])[0]
     return out

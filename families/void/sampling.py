@@ -8,9 +8,11 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from families.declaration.pieces import Piece
 from families.declaration.vault import Vault
 from families.void.sampling_strips import Strip, strips
 
+Array = NDArray[np.float64]
 GOLDEN = (sqrt(5) - 1) / 2
 PILOT = 40_000  # points that tell how much of all strips shows
 PROBE = 1e-6  # [m] into the stone, where the distance must be just that
@@ -21,8 +23,8 @@ EXACT_POINT = 1e-9  # [m]
 class Sample:
     """Points (n, 3) [m], unit normals (n, 3) into the room, and components (n,), 1 + index in the vault's."""
 
-    xyz: NDArray[np.float64]
-    normals: NDArray[np.float64]
+    xyz: Array
+    normals: Array
     component: NDArray[np.uint16]
 
     def __len__(self) -> int:
@@ -61,33 +63,42 @@ def sample_spacing(vault: Vault, spacing: float, rng: np.random.Generator) -> Sa
     if not spacing > 0:
         raise ValueError(f"spacing = {spacing:g} m must be above 0")
     surfaces = _surfaces(straight := vault.straight)
-    return _described(vault, _lay(straight, surfaces, int(sum(s.area for s in surfaces) / spacing**2) + 1, rng))
+    area = sum(strip.area for strip, _ in surfaces)
+    return _described(vault, _lay(straight, surfaces, int(area / spacing**2) + 1, rng))
 
 
-def _surfaces(vault: Vault) -> list[Strip]:
-    return [strip for piece in vault.pieces() for part in piece.parts for strip in strips(part, vault.plan)]
+def _surfaces(vault: Vault) -> list[tuple[Strip, Piece]]:
+    plan = vault.plan
+    return [
+        (strip, piece)
+        for piece in vault.pieces()
+        for part in piece.parts
+        for strip in strips(part, plan, piece.foot or 0.0)
+    ]
 
 
-def _lay(vault: Vault, surfaces: list[Strip], total: int, rng: np.random.Generator) -> NDArray[np.float64]:
+def _lay(vault: Vault, surfaces: list[tuple[Strip, Piece]], total: int, rng: np.random.Generator) -> Array:
     """About `total` points (n, 3) over all strips, of which those are left that show."""
-    density = total / sum(strip.area for strip in surfaces)
-    found = [_shown(vault, strip, density * strip.area, rng) for strip in surfaces]
+    density = total / sum(strip.area for strip, _ in surfaces)
+    found = [_shown(vault, strip, piece, density * strip.area, rng) for strip, piece in surfaces]
     return np.concatenate(found)
 
 
-def _shown(vault: Vault, strip: Strip, count: float, rng: np.random.Generator) -> NDArray[np.float64]:
+def _shown(vault: Vault, strip: Strip, piece: Piece, count: float, rng: np.random.Generator) -> Array:
     first, turn = rng.random(2)
     i = np.arange(int(count - first) + 1 if count > first else 0)
     xyz, normal = strip.lay((i + first) / count, (i * GOLDEN + turn) % 1.0)
-    plan = vault.plan
-    inside = (np.abs(xyz[:, 0]) <= plan.half_x) & (np.abs(xyz[:, 1]) <= plan.half_y) & (xyz[:, 2] >= 0)
+    if piece.foot is None:
+        inside = (vault.plan.distance(xyz[:, :2]) <= 0) & (xyz[:, 2] >= 0)
+    else:
+        inside = xyz[:, 2] >= piece.foot
     xyz, normal = xyz[inside], normal[inside]
     # The distance just behind the surface tells whether there is stone, not another piece of the void.
     shown = np.abs(vault.distance(xyz + PROBE * normal) - PROBE) < EXACT_POINT
     return xyz[shown]
 
 
-def _described(vault: Vault, xyz: NDArray[np.float64]) -> Sample:
+def _described(vault: Vault, xyz: Array) -> Sample:
     there = vault.bent(xyz)
     here = vault.evaluate(there)
     return Sample(there, -here.normal, here.component)

@@ -112,8 +112,8 @@ def cut(vault: Vault, mesh: Mesh) -> tuple[Body, ...]:
     if len(names) == 1:
         (k,) = names
         return (Body(k, names[k], mesh.vertices, mesh.triangles, float(areas[k])),)
-    turned = [part for piece in vault.pieces() for part in piece.parts if isinstance(part, Turned)]
-    parts = _level(vault, mesh, turned[0]) if turned else _plumb(vault, mesh, areas)
+    turned = [(part, piece.foot) for piece in vault.pieces() for part in piece.parts if isinstance(part, Turned)]
+    parts = _level(vault, mesh, *turned[0]) if turned else _plumb(vault, mesh, areas)
     shares = {k: _arrays(share) for k, share in parts}
     return tuple(Body(k, name, *shares[k], float(areas[k])) for k, name in names.items())
 
@@ -180,10 +180,10 @@ def loops(triangles: Triangles) -> list[list[int]]:
     return found
 
 
-def _level(vault: Vault, mesh: Mesh, turned: Turned) -> Iterator[tuple[int, Any]]:
+def _level(vault: Vault, mesh: Mesh, turned: Turned, foot: float | None) -> Iterator[tuple[int, Any]]:
     """Dome, drum and pendentives, cut by level planes; pendentives from each other along the axes."""
     up = (0.0, 0.0, 1.0)
-    above, below = _manifold(mesh.vertices, mesh.triangles).split_by_plane(up, turned.foot)
+    above, below = _manifold(mesh.vertices, mesh.triangles).split_by_plane(up, foot or 0.0)
     for name in dict.fromkeys(turned.names):
         k = vault.components.index(name) + 1
         if name == turned.names[-1]:
