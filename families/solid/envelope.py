@@ -17,14 +17,13 @@ from families.declaration.plan import Vector
 from families.declaration.units import MM
 from families.solid.curves import Spline
 from families.solid.heights import change, heights, shown, trace
-from families.solid.plan_cells import SAME_PLACE, Cell, Cut, Ground, Part, contains
+from families.solid.plan_cells import SAME_PLACE, Cell, Cut, Ground, Part
 from families.solid.roofs import Roof
 
 Array = NDArray[np.float64]
 SAME_HEIGHT = 1e-7  # [m], heights nearer than that are one
 DENSE, NODES = 257, 49  # places at which a curve is looked at, and through which it is laid
-# Of the way to the middle, where it is looked which roof shows beside an edge: the second where two are as high all along.
-INWARDS = 1e-6, 1e-3
+INWARDS = 1e-6, 1e-3  # [m] beside an edge, where it is looked which roof shows: farther where two are as high all along
 HALVED = 14  # times that a cell may be halved
 EDGE_SHARES = (1 - np.cos(np.pi * (np.arange(24) + 0.5) / 24)) / 2
 RAYS = np.array([0.15, 0.4, 0.7, 0.9])  # of the way from the middle of a cell to its boundary
@@ -146,16 +145,16 @@ class _Outline:
 
     def changes(self) -> list[_Change]:
         """In order; empty where one roof shows all around."""
-        ground, table = self.skin.ground, self.skin.table
+        ground = self.skin.ground
         x, y, parts, at = ground.outline(self.cell, EDGE_SHARES)
-        mx, my = self.middle
+        dx, dy = ground.inwards(self.cell, EDGE_SHARES)
         near, far = INWARDS
-        label, sure = shown(x + near * (mx - x), y + near * (my - y), table, self.rows, self.owners)
+        label, sure = self._shown(x + near * dx, y + near * dy)
         for k in range(len(self.cell.loop)):
             edge = parts == k
             if not sure[edge].any():  # two roofs are as high all along: what shows beside it counts
-                a, b = x[edge], y[edge]
-                label[edge], sure[edge] = shown(a + far * (mx - a), b + far * (my - b), table, self.rows, self.owners)
+                a, b = x[edge] + far * dx[edge], y[edge] + far * dy[edge]
+                label[edge], sure[edge] = self._shown(a, b)
         if not sure.any():  # all of them are as high everywhere
             sure[:], label[:] = True, label[0]
         self.labels = label[sure]
@@ -251,12 +250,17 @@ class _Outline:
             found.append(Region(int(self.rows[c.after]), [*along, *way]))
         return found
 
+    def _shown(self, x: Array, y: Array) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """What shows over places, and where they are in the cell and no other roof is as high."""
+        label, sure = shown(x, y, self.skin.table, self.rows, self.owners)
+        return label, sure & self.skin.ground.within(self.cell, x, y)
+
     def _inside(self) -> list[int]:
         x, y, _, _ = self.skin.ground.outline(self.cell, np.array([0.0, 0.35, 0.65]))
         mx, my = self.middle
         xs = (mx + np.outer(RAYS, x - mx)).ravel()
         ys = (my + np.outer(RAYS, y - my)).ravel()
-        label, sure = shown(xs, ys, self.skin.table, self.rows, self.owners)
+        label, sure = self._shown(xs, ys)
         return [int(k) for k in np.unique(label[sure])]
 
     def _along(self, start: _Change, end: _Change) -> list[Bound]:
@@ -339,8 +343,7 @@ class _Outline:
         if np.abs(miss(place)).max() > 1e-9:
             return None
         found = float(place[0]), float(place[1])
-        ox, oy, _, _ = self.skin.ground.outline(self.cell, np.linspace(0, 1, 9)[:-1])
-        return found if contains(ox, oy, found) else None
+        return found if self.skin.ground.within(self.cell, place[:1], place[1:])[0] else None
 
 
 def _ahead(part: Part, start: float, end: float) -> bool:

@@ -181,6 +181,37 @@ class Ground:
             at.append(t)
         return np.concatenate(xs), np.concatenate(ys), np.concatenate(owners), np.concatenate(at)
 
+    def inwards(self, cell: Cell, shares: Array) -> tuple[Array, Array]:
+        """Unit vectors, x and y (n,), square to a cell's boundary and into it, at the places of `outline`."""
+        xs, ys = [], []
+        for part in cell.loop:
+            way, turn = self.ways[part.way], 1.0 if part.end > part.start else -1.0
+            if way.centre is None:
+                dx, dy = turn * (way.end[0] - way.start[0]), turn * (way.end[1] - way.start[1])
+                size = hypot(dx, dy)
+                xs.append(np.full(len(shares), -dy / size))
+                ys.append(np.full(len(shares), dx / size))
+            else:
+                angle = way.angle + (part.start + shares * (part.end - part.start)) * way.sweep
+                outside = -turn if way.sweep > 0 else turn
+                xs.append(outside * np.cos(angle))
+                ys.append(outside * np.sin(angle))
+        return np.concatenate(xs), np.concatenate(ys)
+
+    def within(self, cell: Cell, x: Array, y: Array) -> NDArray[np.bool_]:
+        """Whether places (n,) lie in a cell, which is what lies on the inner side of all its lines and circles."""
+        found = np.ones(len(x), bool)
+        for part in cell.loop:
+            way, forward = self.ways[part.way], part.end > part.start
+            if way.centre is None:
+                (a, b), (c, d) = way.start, way.end
+                aside = (c - a) * (y - b) - (d - b) * (x - a)
+                found &= (aside > 0) == forward
+            else:
+                (a, b), radius = way.centre, way.radius
+                found &= ((x - a) ** 2 + (y - b) ** 2 < radius**2) == ((way.sweep > 0) == forward)
+        return found
+
     def inner(self, cell: Cell) -> Vector:
         """A place well within a cell: its middle, or that of a chord across it, whichever is farthest from its boundary."""
         shares = np.array([0.0, 0.5])
@@ -189,7 +220,9 @@ class Ground:
         if len(cell.loop) > 2 and all(self.ways[part.way].centre is None for part in cell.loop):
             return place
         x, y, _, _ = self.outline(cell, np.linspace(0, 1, 9)[:-1])
-        found = [other for other in (place, *_across(x, y)) if contains(x, y, other)]
+        candidates = [place, *_across(x, y)]
+        within = self.within(cell, *np.array(candidates).T)
+        found = [other for other, inside in zip(candidates, within.tolist(), strict=True) if inside]
         return max(found, key=lambda at: float(np.hypot(x - at[0], y - at[1]).min()), default=place)
 
 
@@ -200,11 +233,3 @@ def _across(x: Array, y: Array) -> Iterable[Vector]:
         for j in (n // 2, n // 3, n // 4):
             a, b = k, (k + j) % n
             yield float((x[a] + x[b]) / 2), float((y[a] + y[b]) / 2)
-
-
-def contains(x: Array, y: Array, place: Vector) -> bool:
-    """Whether a place lies in a polygon: by the sides that a ray from it crosses (Shimrat 1962)."""
-    x1, y1 = np.roll(x, -1), np.roll(y, -1)
-    across = (y > place[1]) != (y1 > place[1])
-    at = x[across] + (place[1] - y[across]) / (y1 - y)[across] * (x1 - x)[across]
-    return bool((at > place[0]).sum() % 2)
