@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from families.declaration.plan import Vector
+from families.declaration.plan import Side, Vector
 from families.declaration.profiles import Curve
 
 
@@ -59,6 +59,13 @@ class BarrelPart:
     def grown(self, thickness: float) -> BarrelPart:
         """With all radii larger by `thickness` [m]."""
         return replace(self, curve=self.curve.grown(thickness))
+
+
+def cove(wall: Side, curve: Curve, name: str, side: int = 1, *, base: float = 0.0, below: str = "") -> BarrelPart:
+    """One side of a barrel along a wall, its half span inwards from that; `side`: whether across is out of the plan."""
+    (x, y), inset = wall.normal, wall.offset - curve.half_span
+    origin = (x * inset, y * inset)
+    return BarrelPart((side * x, side * y), curve, (name, name), origin, base, side, below=below)
 
 
 @dataclass(frozen=True)

@@ -41,14 +41,14 @@ class Side:
         assert self.centre is not None
         return hypot(self.start[0] - self.centre[0], self.start[1] - self.centre[1])
 
-    @property
+    @cached_property
     def normal(self) -> Vector:
         """Unit normal of a straight side, out of the plan."""
         x, y = self.end[0] - self.start[0], self.end[1] - self.start[1]
         size = hypot(x, y)
         return y / size, -x / size
 
-    @property
+    @cached_property
     def offset(self) -> float:
         """Distance [m] of a straight side from the origin, along its normal."""
         x, y = self.normal
@@ -78,6 +78,21 @@ class Side:
         found: Array = np.array(self.centre) + self.radius * np.hstack([np.cos(angle), np.sin(angle)])
         found[0], found[-1] = self.start, self.end
         return found
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Of a barrel between two walls: it halves their angle, and ends at the walls that its barrel is open to.
+
+    `origin` is its middle, `across` the unit vector towards the second of the walls, `half_span` half the clear width
+    there, which 1 + `splay` · along times as much is elsewhere; it runs from -`half_length` to `half_length` [m].
+    """
+
+    origin: Vector
+    across: Vector
+    half_span: float
+    splay: float
+    half_length: float
 
 
 @dataclass(frozen=True)
@@ -181,6 +196,26 @@ class Plan:
             pair = np.flatnonzero(table[:, SHAPE] == STRAIGHT)
             table[pair, SHAPE], table[pair, OTHER] = NOTCH, pair[::-1]
         return table
+
+    @cached_property
+    def axes(self) -> tuple[Axis, Axis]:
+        """Those of the barrels over four walls: between west and east, and between south and north."""
+        return self._axis(1), self._axis(2)
+
+    def _axis(self, k: int) -> Axis:
+        """Towards side k from the one opposite to it; along it the sides before and after k follow."""
+        ahead, behind, before, after = (self.sides[j % 4] for j in (k, k + 2, k - 1, k + 1))
+        (ax, ay), (bx, by) = ahead.normal, behind.normal
+        size = hypot(ax - bx, ay - by)
+        cx, cy = (ax - bx) / size, (ay - by) / size
+        shift = (ahead.offset - behind.offset) / size
+        x, y = cx * shift, cy * shift  # where the axis is nearest to the plan's origin
+        ends = [(w.offset - (nx * x + ny * y)) / (ny * cx - nx * cy) for w in (before, after) for nx, ny in (w.normal,)]
+        middle = (ends[0] + ends[1]) / 2
+        x, y = x - cy * middle, y + cx * middle
+        half = (ahead.offset - (ax * x + ay * y)) / (ax * cx + ay * cy)
+        splay = (ax * cy - ay * cx) / (ax * cx + ay * cy) / half
+        return Axis((x, y), (cx, cy), half, splay + 0.0, (ends[1] - ends[0]) / 2)
 
     def outline(self, per_arc: int = 32) -> Array:
         """The boundary as points (n, 2) [m], arcs in so many steps; a hole's follow those of the outer boundary."""

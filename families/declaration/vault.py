@@ -61,7 +61,7 @@ class Vault(Parametric):
     @property
     @abstractmethod
     def plan(self) -> Plan:
-        """Half extents of the plan."""
+        """The region that it covers, and where its stone may stand on walls."""
 
     @abstractmethod
     def pieces(self) -> tuple[Piece, ...]:
@@ -79,8 +79,6 @@ class Vault(Parametric):
         """
         from families.void import kernel
 
-        if self.skew is not None:
-            return self._skewed(self.skew, xyz, frame, walls)
         table = kernel.pack(self.pieces(), self.components)
         plan = kernel.pack_plan(self.plan if walls else None)
         parts = _in_threads(lambda points: kernel.surface(points, frame, table, plan), _points(xyz))
@@ -94,8 +92,6 @@ class Vault(Parametric):
         """Signed distances (n,) [m] of points (n, 3), positive in the stone."""
         from families.void import kernel
 
-        if self.skew is not None:
-            return self._skewed(self.skew, xyz, frame, walls).distance
         table = kernel.pack(self.pieces(), self.components)
         plan = kernel.pack_plan(self.plan if walls else None)
         parts = _in_threads(lambda points: kernel.distances(points, frame, table, plan), _points(xyz))
@@ -129,11 +125,6 @@ class Vault(Parametric):
             raise ValueError(f"family = {told['family']!r} is no {cls.title}")
         return vault
 
-    @property
-    def straight(self) -> Self:
-        """The same over the rectangle from which its plan was skewed."""
-        return self if self.skew is None else replace(self, skew=None)
-
     def with_arches(self, profiles: Mapping[str, Profile]) -> Self:
         """The same with other profiles, by the names of the fields."""
         changed: dict[str, Any] = dict(profiles)
@@ -141,21 +132,14 @@ class Vault(Parametric):
 
     @property
     def corners(self) -> NDArray[np.float64]:
-        """The corners of the plan (4, 2) [m], counterclockwise from south west."""
-        return (self.skew or Skew()).corners(self.plan.half)
+        """The corners of the plan (n, 2) [m], counterclockwise from south west."""
+        return self.plan.corners
 
-    def bent(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Points (n, 3) [m] of the straight vault, where they are in this one."""
-        return points if self.skew is None else self.skew.bent(points, self.plan.half)
-
-    def _skewed(self, skew: Skew, xyz: NDArray[np.floating], frame: NDArray[np.float64], walls: bool) -> Surface:
-        """Straightened points against the straight vault; exact on it, to first order beside it."""
-        turn, half = frame[:, :3], self.plan.half
-        points = skew.straightened(_points(xyz) @ turn.T + frame[:, 3], half)
-        here = self.straight.evaluate(points, walls=walls)
-        gradient = skew.gradients(points, here.normal, half)
-        size = np.linalg.norm(gradient, axis=1)
-        return Surface(here.distance / size, here.component, (gradient / size[:, None]) @ turn)
+    def over(self, half_x: float, half_y: float, *, on_wall_x: bool = False, on_wall_y: bool = False) -> Plan:
+        """The plan of these half extents [m], or that of four free corners which stands for it."""
+        if self.skew is None:
+            return Plan.rectangle(half_x, half_y, on_wall_x, on_wall_y)
+        return Plan.polygon(self.skew.corners(half_x, half_y), (on_wall_y, on_wall_x, on_wall_y, on_wall_x))
 
     def intrados(self) -> build123d.Compound:
         """The intrados [mm]: one labelled, coloured face or shell a component."""

@@ -7,7 +7,7 @@ from typing import Annotated, ClassVar
 
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
-from families.declaration.plan import Plan, X
+from families.declaration.plan import Axis, Plan
 from families.declaration.profiles import Profile, Semicircular
 from families.declaration.vault import Vault
 
@@ -32,12 +32,12 @@ class Barrel(Vault):
     @derived("m", "crown above the springing")
     def rise(self) -> float:
         """Crown above the springing [m]."""
-        return self.profile.curve(self.span / 2).rise
+        return self.profile.rise(self.axis.half_span)
 
     @derived("m", "radius of curvature at the crown")
     def radius(self) -> float:
         """Radius of curvature at the crown [m]."""
-        return self.profile.curve(self.span / 2).crown_radius
+        return self.profile.curve(self.axis.half_span).crown_radius
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -47,8 +47,15 @@ class Barrel(Vault):
     @property
     def plan(self) -> Plan:
         """Span by length; the springings stand on the walls."""
-        return Plan.rectangle(self.span / 2, self.length / 2, on_wall_x=True)
+        return self.over(self.span / 2, self.length / 2, on_wall_x=True)
+
+    @property
+    def axis(self) -> Axis:
+        """Of the barrel, between the walls that it stands on."""
+        return self.plan.axes[0]
 
     def pieces(self) -> tuple[Piece, ...]:
         """One barrel."""
-        return (Piece((BarrelPart(X, self.profile.curve(self.span / 2), ("barrel", "barrel")),)),)
+        axis = self.axis
+        curve = self.profile.curve(axis.half_span)
+        return (Piece((BarrelPart(axis.across, curve, ("barrel", "barrel"), axis.origin, splay=axis.splay),)),)

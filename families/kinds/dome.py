@@ -48,7 +48,7 @@ class Dome(Vault):
     @derived("m", "crown of the dome above the drum")
     def dome_rise(self) -> float:
         """Crown of the dome above the drum [m]."""
-        return self.profile.rise(self.radius)
+        return self.profile.rise(self.drum_radius)
 
     @derived("m", "height of the drum")
     def drum_height(self) -> float:
@@ -63,12 +63,18 @@ class Dome(Vault):
     @derived("m", "height of the ring on the pendentives above the springing")
     def ring_height(self) -> float:
         """Height of the ring on the pendentives above the springing [m]."""
-        return self.radius * (sqrt(1 + self.pendentive_ratio**2) - self.pendentive_ratio)
+        narrower = 1 - (self.drum_radius / self.radius) ** 2
+        return self.radius * (sqrt(1 + self.pendentive_ratio**2 + narrower) - self.pendentive_ratio)
 
     @derived("m", "crown of the dome above the springing")
     def rise(self) -> float:
         """Crown of the dome above the springing [m]."""
         return self.ring_height + self.drum_height + self.dome_rise
+
+    @property
+    def drum_radius(self) -> float:
+        """Radius of drum and dome [m]: as wide as fits between the walls, if these are askew."""
+        return min(wall.offset for wall in self.plan.sides)
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -78,12 +84,12 @@ class Dome(Vault):
     @property
     def plan(self) -> Plan:
         """The square."""
-        return Plan.rectangle(self.radius, self.radius)
+        return self.over(self.radius, self.radius)
 
     def pieces(self) -> tuple[Piece, ...]:
         """The ball of the pendentives below the ring; drum and dome as one turned profile."""
         ring, centre = self.ring_height, -self.pendentive_ratio * self.radius
-        curve = self.profile.curve(self.radius)
+        curve = self.profile.curve(self.drum_radius)
         names = ("drum" if self.drum_ratio else "dome", "dome")
         return (
             Piece((Ball(centre, self.pendentive_radius, tuple(f"pendentive_{c}" for c in CORNERS)), Lid(ring))),

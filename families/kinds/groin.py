@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
-from families.declaration.plan import Plan, Vector, X, Y
+from families.declaration.plan import Axis, Plan
 from families.declaration.profiles import Profile, Semicircular
 from families.declaration.vault import Vault
 
@@ -33,8 +33,8 @@ def _outside_y(vault: Groin) -> dict[str, float]:
 def _equal_rises(vault: Groin) -> dict[str, float]:
     """The rise of one barrel by that of the other, where its profile has one to choose."""
     for name, profile, rise, span in (
-        ("rise_ratio_y", vault.profile_y, vault.rise_x, vault.span_y),
-        ("rise_ratio_x", vault.profile_x, vault.rise_y, vault.span_x),
+        ("rise_ratio_y", vault.profile_y, vault.rise_x, 2 * vault.axes[1].half_span),
+        ("rise_ratio_x", vault.profile_x, vault.rise_y, 2 * vault.axes[0].half_span),
     ):
         ranges = [p.range for p in profile.parameters() if p.name == "rise_ratio"]
         if ranges:
@@ -94,12 +94,12 @@ class Groin(Vault):
     @derived("m", "rise of the arch across x, over the southern and northern walls")
     def rise_x(self) -> float:
         """Rise of the arch across x [m]."""
-        return self.profile_x.rise(self.span_x / 2)
+        return self.profile_x.rise(self.axes[0].half_span)
 
     @derived("m", "rise of the arch across y, over the western and eastern walls")
     def rise_y(self) -> float:
         """Rise of the arch across y [m]."""
-        return self.profile_y.rise(self.span_y / 2)
+        return self.profile_y.rise(self.axes[1].half_span)
 
     @derived("m", "crown at the middle above the springing")
     def rise(self) -> float:
@@ -129,18 +129,33 @@ class Groin(Vault):
     @property
     def plan(self) -> Plan:
         """The rectangle of the wall arches."""
-        return Plan.rectangle(self.span_x / 2 + self.offset_x, self.span_y / 2 + self.offset_y)
+        return self.over(self.span_x / 2 + self.offset_x, self.span_y / 2 + self.offset_y)
+
+    @property
+    def axes(self) -> tuple[Axis, Axis]:
+        """Of the barrel across x and of that across y, between their springings."""
+        half_x, half_y = self.span_x / 2, self.span_y / 2
+        over_x, over_y = self.over(half_x, half_y + self.offset_y), self.over(half_x + self.offset_x, half_y)
+        return over_x.axes[0], over_y.axes[1]
 
     def pieces(self) -> tuple[Piece, ...]:
         """Two barrels, both with their axes lifted by as much at the middle."""
-        half_x, half_y = self.span_x / 2 + self.offset_x, self.span_y / 2 + self.offset_y
+        crown_rise = self.crown_rise
 
-        def barrel(span: float, profile: Profile, across: Vector, names: tuple[str, str]) -> Piece:
-            curve = profile.curve(span / 2)
-            length = half_y if across == X else half_x
-            return Piece((BarrelPart(across, curve, names, crown_rise=self.crown_rise, half_length=length),))
+        def barrel(axis: Axis, profile: Profile, names: tuple[str, str]) -> Piece:
+            part = BarrelPart(
+                axis.across,
+                profile.curve(axis.half_span),
+                names,
+                axis.origin,
+                crown_rise=crown_rise,
+                half_length=axis.half_length,
+                splay=axis.splay,
+            )
+            return Piece((part,))
 
+        axis_x, axis_y = self.axes
         return (
-            barrel(self.span_x, self.profile_x, X, ("web_south", "web_north")),
-            barrel(self.span_y, self.profile_y, Y, ("web_east", "web_west")),
+            barrel(axis_x, self.profile_x, ("web_south", "web_north")),
+            barrel(axis_y, self.profile_y, ("web_east", "web_west")),
         )

@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
-from families.declaration.plan import Plan, X, Y
+from families.declaration.plan import Axis, Plan
 from families.declaration.profiles import Profile, Segmental, Semicircular
 from families.declaration.vault import Vault
 
@@ -55,12 +55,12 @@ class Lunette(Vault):
     @derived("m", "crown of the barrel above its springing")
     def rise(self) -> float:
         """Crown of the barrel above its springing [m]."""
-        return self.profile.curve(self.span / 2).rise
+        return self.profile.rise(self.axis.half_span)
 
     @derived("m", "radius of curvature of the barrel at the crown")
     def radius(self) -> float:
         """Radius of curvature of the barrel at the crown [m]."""
-        return self.profile.curve(self.span / 2).crown_radius
+        return self.profile.curve(self.axis.half_span).crown_radius
 
     @derived("m", "distance between the centres of neighbouring lunettes")
     def pitch(self) -> float:
@@ -91,7 +91,7 @@ class Lunette(Vault):
 
     @property
     def positions(self) -> tuple[float, ...]:
-        """Centres of the lunettes along y [m]."""
+        """Centres of the lunettes along the axis [m]."""
         return tuple(self.shift + (k - (self.count - 1) / 2) * self.pitch for k in range(self.count))
 
     @property
@@ -102,16 +102,29 @@ class Lunette(Vault):
     @property
     def plan(self) -> Plan:
         """Span by length; the springings stand on the walls."""
-        return Plan.rectangle(self.span / 2, self.length / 2, on_wall_x=True)
+        return self.over(self.span / 2, self.length / 2, on_wall_x=True)
+
+    @property
+    def axis(self) -> Axis:
+        """Of the barrel, between the walls that it stands on."""
+        return self.plan.axes[0]
 
     def pieces(self) -> tuple[Piece, ...]:
         """The barrel and one transverse barrel for each pair of lunettes."""
-        barrel = BarrelPart(X, self.profile.curve(self.span / 2), ("barrel", "barrel"))
+        axis = self.axis
+        (x, y), (cx, cy) = axis.origin, axis.across
+        barrel = BarrelPart(
+            axis.across, self.profile.curve(axis.half_span), ("barrel", "barrel"), axis.origin, splay=axis.splay
+        )
         curve = self.lunette_profile.curve(self.lunette_span / 2)
         lunettes = (
             BarrelPart(
-                Y, curve, (f"lunette_east_{k}", f"lunette_west_{k}"), origin=(0.0, y), base=self.lunette_springing
+                barrel.along,
+                curve,
+                (f"lunette_east_{k}", f"lunette_west_{k}"),
+                (x - cy * place, y + cx * place),
+                self.lunette_springing,
             )
-            for k, y in enumerate(self.positions, 1)
+            for k, place in enumerate(self.positions, 1)
         )
         return (Piece((barrel,)), *(Piece((part,)) for part in lunettes))

@@ -7,12 +7,12 @@ from typing import Annotated, ClassVar
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
-from families.declaration.pieces import BarrelPart, Ceiling, Piece
-from families.declaration.plan import Plan, Vector, X, Y
+from families.declaration.pieces import Ceiling, Piece, cove
+from families.declaration.plan import Plan
 from families.declaration.profiles import circle_through, segmental
 from families.declaration.vault import Vault
 
-SIDES = (("south", Y, -1), ("north", Y, 1), ("west", X, -1), ("east", X, 1))
+SIDES = (("south", 0, -1), ("north", 2, 1), ("west", 3, -1), ("east", 1, 1))  # and of the plan, and as a part
 
 
 def _equal_coves(vault: Mirror) -> dict[str, float]:
@@ -63,7 +63,7 @@ class Mirror(Vault):
     @derived("m", "rise H of the whole coves")
     def cove_rise(self) -> float:
         """Rise H of the whole coves [m]."""
-        return self.rise_ratio * min(self.run_x, self.run_y)
+        return self.rise_ratio * min(self.runs)
 
     @derived("m", "height of the plane above the springing")
     def rise(self) -> float:
@@ -88,16 +88,16 @@ class Mirror(Vault):
     @property
     def plan(self) -> Plan:
         """The rectangle; the stone stands on all four walls."""
-        return Plan.rectangle(self.span_x / 2, self.span_y / 2, on_wall_x=True, on_wall_y=True)
+        return self.over(self.span_x / 2, self.span_y / 2, on_wall_x=True, on_wall_y=True)
+
+    @property
+    def runs(self) -> tuple[float, ...]:
+        """Run S of the whole coves on the southern, eastern, northern and western walls [m]."""
+        shares = (self.run_y_ratio, self.run_x_ratio) * 2
+        return tuple(share * wall.offset for share, wall in zip(shares, self.plan.sides, strict=True))
 
     def pieces(self) -> tuple[Piece, ...]:
         """Intersection of four coves and the plane."""
-        sizes = {X: (self.span_x / 2, self.run_x), Y: (self.span_y / 2, self.run_y)}
-
-        def cove(name: str, across: Vector, side: int) -> BarrelPart:
-            half, run = sizes[across]
-            origin = (across[0] * side * (half - run), across[1] * side * (half - run))
-            return BarrelPart(across, segmental(run, self.cove_rise), (name, name), origin, side=side)
-
-        coves = (cove(f"cove_{name}", across, side) for name, across, side in SIDES)
+        walls, runs, rise = self.plan.sides, self.runs, self.cove_rise
+        coves = (cove(walls[k], segmental(runs[k], rise), f"cove_{name}", side) for name, k, side in SIDES)
         return (Piece((*coves, Ceiling(self.rise, ("plane",)))),)

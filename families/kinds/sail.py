@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, sqrt
 from typing import Annotated, ClassVar
+
+import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ball, Piece
-from families.declaration.plan import Plan
+from families.declaration.plan import Plan, Vector
 from families.declaration.profiles import circle_through
 from families.declaration.vault import Vault
 
 
 @dataclass(frozen=True)
 class Sail(Vault):
-    """Sphere of radius R = (d² + h²) / (2 h) through the corners, d half the diagonal and h the rise above them."""
+    """Sphere of radius R = (d² + h²) / (2 h) through the corners, d half the diagonal and h the rise above them.
+
+    Through four free corners, which lie on no circle, as nearly as can be.
+    """
 
     id: ClassVar[str] = "sail"
     title: ClassVar[str] = "sail vault"
@@ -36,7 +41,19 @@ class Sail(Vault):
 
     @property
     def _half_diagonal(self) -> float:
-        return hypot(self.span_x, self.span_y) / 2
+        if self.skew is None:
+            return hypot(self.span_x, self.span_y) / 2
+        x, y = self._centre
+        return sqrt(sum((a - x) ** 2 + (b - y) ** 2 for a, b in self.corners.tolist()) / 4)
+
+    @property
+    def _centre(self) -> Vector:
+        """That of the circle which comes nearest to all corners (Kåsa 1976); their mean is the origin."""
+        if self.skew is None:
+            return 0.0, 0.0
+        xy = self.corners
+        x, y = np.linalg.solve(xy.T @ xy, xy.T @ (xy**2).sum(axis=1) / 2).tolist()
+        return x, y
 
     @derived("m", "crown above the corners")
     def rise(self) -> float:
@@ -56,8 +73,8 @@ class Sail(Vault):
     @property
     def plan(self) -> Plan:
         """The rectangle."""
-        return Plan.rectangle(self.span_x / 2, self.span_y / 2)
+        return self.over(self.span_x / 2, self.span_y / 2)
 
     def pieces(self) -> tuple[Piece, ...]:
         """A ball."""
-        return (Piece((Ball(self.rise - self.radius, self.radius, ("sail",)),)),)
+        return (Piece((Ball(self.rise - self.radius, self.radius, ("sail",), self._centre),)),)

@@ -7,8 +7,8 @@ from typing import Annotated, ClassVar
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
-from families.declaration.pieces import BarrelPart, Piece
-from families.declaration.plan import Plan, X, Y
+from families.declaration.pieces import BarrelPart, Piece, cove
+from families.declaration.plan import Plan, Side
 from families.declaration.profiles import Profile, Semicircular
 from families.declaration.vault import Vault
 
@@ -44,17 +44,17 @@ class Trough(Vault):
     @derived("m", "crown above the springing")
     def rise(self) -> float:
         """Crown above the springing [m]."""
-        return self.profile.curve(self.span_x / 2).rise
+        return self.profile.rise(self.plan.axes[0].half_span)
 
     @derived("m", "run of the southern head")
     def south_run(self) -> float:
         """Run of the southern head [m]."""
-        return self.south_ratio * self.span_y / 2
+        return self.south_ratio * self.plan.sides[0].offset
 
     @derived("m", "run of the northern head")
     def north_run(self) -> float:
         """Run of the northern head [m]."""
-        return self.north_ratio * self.span_y / 2
+        return self.north_ratio * self.plan.sides[2].offset
 
     @property
     def cloister(self) -> bool:
@@ -69,21 +69,20 @@ class Trough(Vault):
     @property
     def plan(self) -> Plan:
         """The rectangle; the stone stands on all four walls."""
-        return Plan.rectangle(self.span_x / 2, self.span_y / 2, on_wall_x=True, on_wall_y=True)
+        return self.over(self.span_x / 2, self.span_y / 2, on_wall_x=True, on_wall_y=True)
 
     def pieces(self) -> tuple[Piece, ...]:
         """Intersection of the barrel with the two heads."""
-        curve, b = self.profile.curve(self.span_x / 2), self.span_y / 2
-        sides = (
-            (
-                BarrelPart(X, curve, ("west", "west"), side=-1),
-                BarrelPart(X, curve, ("east", "east"), side=1),
-            )
-            if self.cloister
-            else (BarrelPart(X, curve, ("barrel", "barrel")),)
-        )
-        heads = tuple(
-            BarrelPart(Y, self.profile.arch(run, curve.rise), (name, name), origin=(0.0, side * (b - run)), side=side)
-            for name, run, side in (("south", self.south_run, -1), ("north", self.north_run, 1))
-        )
-        return (Piece((*sides, *heads)),)
+        plan, rise = self.plan, self.rise
+        south, east, north, west = plan.sides
+
+        def web(name: str, wall: Side, run: float, side: int) -> BarrelPart:
+            return cove(wall, self.profile.arch(run, rise), name, side)
+
+        heads = web("south", south, self.south_run, -1), web("north", north, self.north_run, 1)
+        if self.cloister:
+            return (Piece((web("west", west, west.offset, -1), web("east", east, east.offset, 1), *heads)),)
+        axis = plan.axes[0]
+        curve = self.profile.curve(axis.half_span)
+        barrel = BarrelPart(axis.across, curve, ("barrel", "barrel"), axis.origin, splay=axis.splay)
+        return (Piece((barrel, *heads)),)

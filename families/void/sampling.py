@@ -37,7 +37,7 @@ def sample(vault: Vault, count: int, rng: np.random.Generator) -> Sample:
 
     On equal-area coordinates of a strip the points are (i / n, frac(i φ)), which leaves no clumps and no gaps at any
     proportion of its sides, as the golden ratio is the number that fractions approach worst (Swinbank and Purser 2006,
-    González 2010, for the sphere). A skewed plan stretches them a little. `rng` shifts the
+    González 2010, for the sphere). `rng` shifts the
     lattices, and drops the few points above `count`.
 
     Raises:
@@ -45,11 +45,10 @@ def sample(vault: Vault, count: int, rng: np.random.Generator) -> Sample:
     """
     if count < 1:
         raise ValueError(f"{count} points asked for; at least 1 is needed")
-    straight = vault.straight
-    surfaces = _surfaces(straight)
-    share = len(_lay(straight, surfaces, PILOT, rng)) / PILOT
+    surfaces = _surfaces(vault)
+    share = len(_lay(vault, surfaces, PILOT, rng)) / PILOT
     wanted = 1.002 * count / share  # the pilot is not exact, and a second pass costs more than a few points to drop
-    while len(xyz := _lay(straight, surfaces, int(wanted) + 1, rng)) < count:
+    while len(xyz := _lay(vault, surfaces, int(wanted) + 1, rng)) < count:
         wanted *= 1.005
     return _described(vault, xyz[np.sort(rng.permutation(len(xyz))[:count])])
 
@@ -62,9 +61,9 @@ def sample_spacing(vault: Vault, spacing: float, rng: np.random.Generator) -> Sa
     """
     if not spacing > 0:
         raise ValueError(f"spacing = {spacing:g} m must be above 0")
-    surfaces = _surfaces(straight := vault.straight)
+    surfaces = _surfaces(vault)
     area = sum(strip.area for strip, _ in surfaces)
-    return _described(vault, _lay(straight, surfaces, int(area / spacing**2) + 1, rng))
+    return _described(vault, _lay(vault, surfaces, int(area / spacing**2) + 1, rng))
 
 
 def _surfaces(vault: Vault) -> list[tuple[Strip, Piece]]:
@@ -99,6 +98,5 @@ def _shown(vault: Vault, strip: Strip, piece: Piece, count: float, rng: np.rando
 
 
 def _described(vault: Vault, xyz: Array) -> Sample:
-    there = vault.bent(xyz)
-    here = vault.evaluate(there)
-    return Sample(there, -here.normal, here.component)
+    here = vault.evaluate(xyz)
+    return Sample(xyz, -here.normal, here.component)

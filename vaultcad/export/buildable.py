@@ -52,7 +52,7 @@ def _built(vault: Vault, thickness: float) -> Vault | None:
     for trial in _trials(vault):
         try:
             masonry(trial, thickness)
-            cut(trial.straight, exact(trial.straight, thickness))
+            cut(trial, exact(trial, thickness))
         except ValueError:  # ExportError is one
             continue
         return trial

@@ -8,7 +8,7 @@ the whole without gap or overlap, whatever the family.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -66,9 +66,7 @@ def exact(vault: Vault, thickness: float) -> Mesh:
     Raises:
         ValueError: OpenCASCADE cannot build it, or it has a hole.
     """
-    straight = vault.straight
-    mesh = closed(mesh_solid(straight, thickness, TOLERANCE, masonry(straight, thickness)))
-    return replace(mesh, vertices=vault.bent(mesh.vertices))
+    return closed(mesh_solid(vault, thickness, TOLERANCE, masonry(vault, thickness)))
 
 
 @lru_cache(maxsize=KEPT)
@@ -87,22 +85,14 @@ def bodies(vault: Vault, thickness: float) -> tuple[Body, ...]:
     Raises:
         ExportError: the mesh of the masonry is not closed.
     """
-    straight = vault.straight
     try:
-        found = cut(straight, exact(straight, thickness))
+        return cut(vault, exact(vault, thickness))
     except ValueError:
-        found = cut(straight, relief(straight, thickness))
-    if vault.skew is None:
-        return found
-    mesh = shell(vault, thickness)
-    areas = np.bincount(mesh.component, mesh.areas, len(vault.components) + 2)
-    return tuple(
-        replace(body, vertices=vault.bent(body.vertices), intrados_area=float(areas[body.id])) for body in found
-    )
+        return cut(vault, relief(vault, thickness))
 
 
 def cut(vault: Vault, mesh: Mesh) -> tuple[Body, ...]:
-    """The masonry of a straight vault in one body for each component of which something shows.
+    """The masonry in one body for each component of which something shows.
 
     Raises:
         ExportError: the mesh is not closed.

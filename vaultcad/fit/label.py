@@ -51,7 +51,7 @@ def _label(
 ) -> None:
     """Enter the points of one vault, of those from `start` on, that are not nearer to one before it."""
     frame = placed.pose.frame()
-    half = np.abs(placed.vault.corners).max(axis=0) + tolerance
+    half = placed.vault.plan.half + tolerance
     mine = kernel.over_plan(np.ascontiguousarray(xyz), frame, half, -tolerance)
     surface = placed.vault.evaluate(xyz[mine], frame=frame, walls=True)
     at = start + mine

@@ -29,8 +29,6 @@ class Placed:
 
     def distance(self, points: Array) -> Array:
         """Signed distances (n,) [m] of points (n, 3) to the vault on its walls."""
-        if self.vault.skew is not None:
-            return self.vault.distance(points, frame=self.pose.frame(), walls=True)
         out: Array = kernel.distances(points, *self.packed())
         return out
 
@@ -151,9 +149,6 @@ def _slopes(placed: Placed, points: Array) -> tuple[Array, Callable[[Placed], Ar
 
     The body that decides a point's distance still does after a small step, so only that one is asked again.
     """
-    if placed.vault.skew is not None:
-        here = placed.vault.evaluate(points, frame=placed.pose.frame(), walls=True)
-        return here.normal, lambda other: other.distance(points) - here.distance
     frame, table, plan = placed.packed()
     rows, normal = kernel.deciding(points, frame, table, plan)
     asked = kernel.to_rows(points, frame, table, plan, rows)
