@@ -27,9 +27,9 @@ def body(upper: Void, lower: Void | None) -> TopoDS_Shape:
     Raises:
         ValueError: its faces do not close, or OpenCASCADE finds a fault in it.
     """
-    found = Between(upper, lower)
-    found.close()
-    shape = found.net.solids()
+    net, faces = _laid(upper, lower)
+    faces.close()
+    shape = net.solids()
     if not is_sound(shape):
         raise ValueError("OpenCASCADE finds a fault in the body of this vault; change a parameter a little")
     return shape
@@ -37,40 +37,34 @@ def body(upper: Void, lower: Void | None) -> TopoDS_Shape:
 
 def surface(upper: Void) -> TopoDS_Shape:
     """The faces of a void but for the ground and the plan's sides: roofs, and walls that stand within or on the plan."""
-    found = Between(upper, None)
-    found.show()
-    return together(face for face, _ in found.net.faces)
+    net, faces = _laid(upper, None)
+    faces.show()
+    return together(face for face, _ in net.faces)
 
 
-class Between:
-    """A body between two surfaces, laid cell by cell."""
-
-    def __init__(self, upper: Void, lower: Void | None) -> None:
-        self.upper, self.net, self.ground = upper, Net(), _ground(upper)
-        self.top, self.bottom = Skin(self.ground), Skin(self.ground)
-        _cut(self.ground, upper.cuts())
-        kept: list[Cell] = []
-        for cell in self.ground.cells:
-            if pieces := upper.over(*self.ground.inner(cell)):
-                self.top.lay(cell, pieces)
-                kept.append(cell)
-        self.ground.cells = kept
-        if lower is not None:
-            _cut(self.ground, lower.cuts())
-        floors: dict[float, Plane] = {}
-        for cell in self.ground.cells:
-            place = self.ground.inner(cell)
-            foot = upper.foot(*place)
-            above = [] if lower is None else lower.over(*place)
-            self.bottom.lay(cell, [*above, [floors.setdefault(foot, Plane(foot))]])
-
-    def close(self) -> None:
-        """All faces."""
-        Faces(self.net, self.ground, self.top, self.bottom).close()
-
-    def show(self) -> None:
-        """The roofs and inner walls alone."""
-        Faces(self.net, self.ground, self.top, self.bottom, Void(self.upper.pieces, None)).show()
+def _laid(upper: Void, lower: Void | None) -> tuple[Net, Faces]:
+    """The regions of both surfaces, and an empty net for their faces."""
+    ground = _ground(upper)
+    top, bottom = Skin(ground), Skin(ground)
+    _cut(ground, upper.cuts())
+    kept: list[Cell] = []
+    for cell in ground.cells:
+        if pieces := upper.over(*ground.inner(cell)):
+            top.lay(cell, pieces)
+            kept.append(cell)
+    ground.cells = kept
+    if lower is not None:
+        _cut(ground, lower.cuts())
+    floors: dict[float, Plane] = {}
+    for cell in ground.cells:
+        place = ground.inner(cell)
+        foot = upper.foot(*place)
+        above = [] if lower is None else lower.over(*place)
+        if not any(all(roof.lowest >= foot for roof in piece) for piece in above):
+            above.append([floors.setdefault(foot, Plane(foot))])
+        bottom.lay(cell, above)
+    net = Net()
+    return net, Faces(net, ground, top, bottom, beyond=Void(upper.pieces, None) if lower is None else None)
 
 
 def _ground(upper: Void) -> Ground:

@@ -39,6 +39,11 @@ class Roof(ABC):
 
     @property
     @abstractmethod
+    def lowest(self) -> float:
+        """A height [m] below which it never is."""
+
+    @property
+    @abstractmethod
     def sheet(self) -> Sheet:
         """Its surface."""
 
@@ -60,6 +65,11 @@ class Plane(Roof):
         found = np.zeros(WIDTH)
         found[0], found[3:5], found[5] = FLAT, self.gradient, self.z
         return found
+
+    @property
+    def lowest(self) -> float:
+        """Its height where it is level."""
+        return -np.inf if any(self.gradient) else self.z
 
     @cached_property
     def sheet(self) -> Sheet:
@@ -91,6 +101,11 @@ class DrawnRoof(Roof):
         p, bow = self.part, self.bow
         frame = (*p.origin, *p.across, p.base, p.slope, p.splay, p.flare, p.crown_rise, p.half_length)
         return np.array([DRAWN, *frame, self.sign, bow.u, bow.z, bow.a, bow.b])
+
+    @property
+    def lowest(self) -> float:
+        """The springing of a level barrel."""
+        return -np.inf if self.part.slope else self.part.base + self.bow.z + self.bow.b * sin(self.bow.start)
 
     @cached_property
     def side(self) -> BarrelSide:
@@ -175,6 +190,11 @@ class TurnedRoof(Roof):
         found[0], found[1:3], found[5], found[10] = TURNED, self.centre, self.base, self.radius
         found[11:] = self.sign, bow.u, bow.z, bow.a, bow.b
         return found
+
+    @property
+    def lowest(self) -> float:
+        """Its foot."""
+        return self.base + self.bow.z + self.bow.b * sin(self.bow.start)
 
     @property
     def about(self) -> float:
