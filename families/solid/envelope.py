@@ -22,7 +22,9 @@ from families.solid.roofs import Roof
 
 Array = NDArray[np.float64]
 SAME_HEIGHT = 1e-7  # [m], heights nearer than that are one
-DENSE, NODES = 257, 49  # places at which a curve is looked at, and through which it is laid
+DENSE = 257  # places at which a curve is looked at before it is laid
+NODES = 49, 97, 193, 385  # places through which it is laid, so many that it is near enough
+NEAR_ENOUGH = 2e-8  # [m] that it may be off the surfaces between these
 INWARDS = 1e-6, 1e-3  # [m] beside an edge, where it is looked which roof shows: farther where two are as high all along
 HALVED = 14  # times that a cell may be halved
 EDGE_SHARES = (1 - np.cos(np.pi * (np.arange(24) + 0.5) / 24)) / 2
@@ -298,8 +300,26 @@ class _Outline:
         there = points((1 - np.cos(np.pi * dense[1:-1])) / 2)
         if there is None:
             return None
-        laid = points((1 - np.cos(np.pi * nodes(there, dense)[1:-1])) / 2)
-        return None if laid is None else Line(start, end, Spline.through(MM * laid))
+        for count in NODES:
+            laid = points((1 - np.cos(np.pi * nodes(there, dense, count)[1:-1])) / 2)
+            if laid is None:
+                return None
+            spline = Spline.through(MM * laid)
+            if self._miss(spline, rows[0]) < NEAR_ENOUGH:
+                break
+        return Line(start, end, spline)
+
+    def _miss(self, spline: Spline, row: int) -> float:
+        """How far a curve strays from a roof between the places through which it was laid [m]."""
+        x, y, z = spline.points((spline.at[1:] + spline.at[:-1]) / 2).T / MM
+        step = 1e-6
+        slopes = [
+            (self.skin.height(row, x + step * a, y + step * b) - self.skin.height(row, x - step * a, y - step * b))
+            / (2 * step)
+            for a, b in ((1, 0), (0, 1))
+        ]
+        off = (self.skin.height(row, x, y) - z) / np.sqrt(1 + slopes[0] ** 2 + slopes[1] ** 2)
+        return float(np.abs(off).max())
 
     def _square(self, start: Array, end: Array, share: Array) -> tuple[Array, Array]:
         """How far the cell reaches to the right and to the left of places on a chord, square to it (n,)."""
@@ -350,8 +370,8 @@ def _ahead(part: Part, start: float, end: float) -> bool:
     return (end - start) * (part.end - part.start) > 0
 
 
-def nodes(points: Array, dense: Array) -> Array:
-    """Shares (`NODES`,) at even lengths and turns of a curve through points (n, 3) at shares (n,).
+def nodes(points: Array, dense: Array, count: int = NODES[0]) -> Array:
+    """Shares (`count`,) at even lengths and turns of a curve through points (n, 3) at shares (n,).
 
     Roofs nearly as high turn their line sharply by the crown. Denser towards the ends, where splines are the least
     accurate.
@@ -361,7 +381,7 @@ def nodes(points: Array, dense: Array) -> Array:
     ways = steps / np.maximum(lengths, 1e-300)[:, None]
     turns = np.linalg.norm(np.diff(ways, axis=0), axis=1)
     effort = np.cumsum(lengths / lengths.sum() + (np.append(turns, 0.0) + np.append(0.0, turns)) / 2)
-    even = np.linspace(0, 1, NODES)
+    even = np.linspace(0, 1, count)
     share = np.interp((even + (1 - np.cos(np.pi * even)) / 2) / 2 * effort[-1], np.append(0.0, effort), dense)
     share[[0, -1]] = 0.0, 1.0
     return share

@@ -23,7 +23,7 @@ from families.solid.face_net import ONE, Net, Patch
 from families.solid.heights import change, shown
 from families.solid.plan_cells import SAME_PLACE, Ground, Part
 from families.solid.plane_regions import regions
-from families.solid.roofs import TurnedRoof, Void
+from families.solid.roofs import Plane, TurnedRoof, Void
 from families.solid.surfaces import Drum, Flat, Sheet
 
 Array = NDArray[np.float64]
@@ -48,11 +48,15 @@ class Sides(NamedTuple):
 
 
 class Wall(NamedTuple):
-    """An upright surface, whether the body lies where its normal points, and whether it is of the void's own."""
+    """An upright surface, whether the body lies where its normal points, and whether it is of the void's own.
+
+    `above` if it is the part above a springing where the wall below has another name.
+    """
 
     sheet: Sheet
     flipped: bool
     shown: bool
+    above: bool = False
 
 
 @dataclass
@@ -66,16 +70,18 @@ class Faces:
     beyond: Void | None = None
     walls: dict[Wall, Loop] = field(default_factory=lambda: defaultdict(list))
     _sheets: dict[tuple[float, ...], Sheet] = field(default_factory=dict)
+    _levels: dict[float, Plane] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Lay all steps."""
         self.outer = Skin(self.ground)
         self.stops: dict[int, list[float]] = {}
         self._stop(self._ends())
-        crossings = [*self._crossings(self.top), *self._crossings(self.bottom), *self._changes_beyond()]
-        if crossings:
-            self._stop(crossings)
+        forced = [*self._crossings(self.top), *self._crossings(self.bottom), *self._changes_beyond()]
+        if forced:
+            self._stop(forced)
         self.above, self.below = self._seen(self.top), self._seen(self.bottom)
+        self._join({(way, self._nearest(self.stops[way], t)) for way, t in forced})
         self.roofs: tuple[dict[int, Loop], dict[int, Loop]] = (defaultdict(list), defaultdict(list))
         for skin, seen, steps, upper in (
             (self.top, self.above, self.roofs[0], True),
@@ -147,6 +153,25 @@ class Faces:
                         left, right = found.get(piece, (-1, -1))
                         found[piece] = Sides(region.roof, right) if part.end > part.start else Sides(left, region.roof)
         return found
+
+    def _join(self, forced: set[Piece]) -> None:
+        """Drop the stops at which nothing changes: there only a cut of the plan is passed."""
+        above, below = self.above, self.below
+        self.above, self.below = {}, {}
+        for way, stops in self.stops.items():
+            kept: list[float] = []
+            before: tuple[Sides | None, Sides | None] = (None, None)
+            for k, stop in enumerate(stops):
+                here = above.get((way, k)), below.get((way, k))
+                if here == before and (way, k) not in forced and here != (None, None):
+                    continue
+                for seen, sides in zip((self.above, self.below), here, strict=True):
+                    if sides is not None:
+                        seen[way, len(kept)] = sides
+                if here != (None, None) or before != (None, None):
+                    kept.append(stop)
+                before = here
+            self.stops[way] = kept
 
     def _span(self, piece: Piece) -> tuple[float, float]:
         way, k = piece
@@ -242,7 +267,11 @@ class Faces:
             steps[right].append(own[1].reversed)
             higher = bool(miss[2] > 0)
             lower, top = own[::-1] if higher else own
-            self._wall(piece, lower, top, left=higher == upper, shown=upper)
+            roof = skin.roofs[left if higher else right]
+            # Not of the extrados, which has none of the room's names, nor below stone that overhangs.
+            own = (not upper or self.beyond is not None) and not isinstance(roof, Plane)
+            level = roof.springing if own else None
+            self._wall(piece, lower, top, left=higher == upper, shown=own, level=level)
 
     def _outer(self) -> None:
         """Along the edge of the plan, and where nothing stands beyond a wall."""
@@ -260,7 +289,7 @@ class Faces:
             if foot is top:
                 continue
             for lower, upper, own in self._strips(piece, sides, (foot, low), (top, high)):
-                self._wall(piece, lower, upper, left=left, shown=own)
+                self._wall(piece, lower, upper, left=left, shown=own, level=self.top.roofs[roof].springing if own else None)
 
     def _strips(
         self, piece: Piece, sides: Sides, foot: tuple[Step, Array], top: tuple[Step, Array]
@@ -308,9 +337,22 @@ class Faces:
 
     # Walls.
 
-    def _wall(self, piece: Piece, lower: Step, upper: Step, *, left: bool, shown: bool) -> None:
-        """Upright between two steps over a piece; the body is on its left or right."""
+    def _wall(self, piece: Piece, lower: Step, upper: Step, *, left: bool, shown: bool, level: float | None) -> None:
+        """Upright between two steps over a piece, the body on its left or right; parted at a level [m] below the upper."""
         sheet, turned = self._upright(piece)
+        wall = Wall(sheet, left == turned, shown)
+        if level is not None and lower.places[1, 2] < MM * level - ONE < MM * level + ONE < upper.places[1, 2]:
+            middle = self._step(self.outer, (self.outer.number(self._planes(level)),), piece)
+            self._bound(wall._replace(above=True), middle, upper, turned)
+            upper = middle
+        self._bound(wall, lower, upper, turned)
+
+    def _planes(self, z: float) -> Plane:
+        """One plane a height."""
+        return self._levels.setdefault(z, Plane(z))
+
+    def _bound(self, wall: Wall, lower: Step, upper: Step, turned: bool) -> None:
+        """Add the steps around a part of a wall; its normal is to the right of the way, or to the left if turned."""
         first, last = lower.places[[0, 2]], upper.places[[0, 2]]
         loop = [lower]
         if last[1, 2] - first[1, 2] > ONE:
@@ -318,10 +360,7 @@ class Faces:
         loop.append(upper.reversed)
         if last[0, 2] - first[0, 2] > ONE:
             loop.append(_plumb(last[0], first[0]))
-        # Its normal points to the right of the way, or to the left if the surface was turned.
-        if turned:
-            loop = [step.reversed for step in loop[::-1]]
-        self.walls[Wall(sheet, left == turned, shown)] += loop
+        self.walls[wall] += [step.reversed for step in loop[::-1]] if turned else loop
 
     def _upright(self, piece: Piece) -> tuple[Sheet, bool]:
         """The upright surface over a piece, one for all that lie on it; whether its normal points to the left."""

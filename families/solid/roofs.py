@@ -43,6 +43,11 @@ class Roof(ABC):
         """A height [m] below which it never is."""
 
     @property
+    def springing(self) -> float | None:
+        """The height [m] below which walls under it have a name of their own."""
+        return None
+
+    @property
     @abstractmethod
     def sheet(self) -> Sheet:
         """Its surface."""
@@ -106,6 +111,11 @@ class DrawnRoof(Roof):
     def lowest(self) -> float:
         """The springing of a level barrel."""
         return -np.inf if self.part.slope else self.part.base + self.bow.z + self.bow.b * sin(self.bow.start)
+
+    @property
+    def springing(self) -> float | None:
+        """Where the walls below have their own name."""
+        return self.part.base if self.part.below else None
 
     @cached_property
     def side(self) -> BarrelSide:
@@ -181,6 +191,7 @@ class TurnedRoof(Roof):
     base: float
     bow: Bow
     sign: int
+    foot: float | None  # height below which its walls have another name
     quarter: int  # from the azimuth quarter · 90° on; -1 for all of a sphere that has no pole over the plan
 
     @cached_property
@@ -195,6 +206,11 @@ class TurnedRoof(Roof):
     def lowest(self) -> float:
         """Its foot."""
         return self.base + self.bow.z + self.bow.b * sin(self.bow.start)
+
+    @property
+    def springing(self) -> float | None:
+        """Its foot, if its walls have their own name."""
+        return self.foot
 
     @property
     def about(self) -> float:
@@ -236,6 +252,8 @@ class TurnedRoof(Roof):
         miss = dx * y0 - dy * x0  # distance of the axis to the right of the line
         if self.spherical:
             radius = sqrt(max(self.bow.a**2 - miss**2, 0.0))
+            if dx < -STRAIGHT or (dx < STRAIGHT and dy < 0):
+                dx, dy, miss = -dx, -dy, -miss
             foot = np.array([self.centre[0] - dy * miss, self.centre[1] + dx * miss, self.base + self.bow.z])
             circle = Conic(point(MM * foot), (dx, dy, 0.0), point(UP), MM * radius, MM * radius)
             return Step(circle, circle.parameter(ends[0]), circle.parameter(ends[1]))
@@ -256,14 +274,14 @@ def _line(start: Point, end: Point) -> Step:
 
 
 def _ring(way: Way, start: float, end: float, ends: tuple[Point, Point]) -> Step:
-    """A level circle; its angle counts from the way's start, the way's own direction."""
+    """A level circle, counterclockwise; its angle counts from the quarter in which the way lies."""
     assert way.centre is not None
     x, y = way.centre
-    turn = 1.0 if way.sweep > 0 else -1.0
-    c, s = (round(value, 15) for value in (cos(way.angle), sin(way.angle)))
+    quarter = (way.angle + way.sweep / 2) // (pi / 2) * (pi / 2)
+    c, s = (round(value, 15) for value in (cos(quarter), sin(quarter)))
     z = (ends[0][2] + ends[1][2]) / 2
-    ring = Conic((MM * x, MM * y, z), (c, s, 0.0), (-turn * s, turn * c, 0.0), MM * way.radius, MM * way.radius)
-    return Step(ring, start * abs(way.sweep), end * abs(way.sweep))
+    ring = Conic((MM * x, MM * y, z), (c, s, 0.0), (-s, c, 0.0), MM * way.radius, MM * way.radius)
+    return Step(ring, *(way.angle + t * way.sweep - quarter for t in (start, end)))
 
 
 def _parabola(part: BarrelPart, ends: tuple[Point, Point], first: float, last: float) -> Step:
@@ -373,8 +391,9 @@ class Body:
         whole = isinstance(part, Ball) and len(part.names) == 1
         quarter = -1 if whole else int(atan2(dy, dx) // (pi / 2)) % 4
         base, sign, k = part.z if isinstance(part, Ball) else part.base, 1 if reach > 0 else -1, self._bow(abs(reach))
+        springing = base if len(set(part.names)) > 1 and isinstance(part, Turned) else None
         return self._kept(
-            (quarter, sign, k), lambda: TurnedRoof(part.centre, radius, base, self.bows[k], sign, quarter)
+            (quarter, sign, k), lambda: TurnedRoof(part.centre, radius, base, self.bows[k], sign, springing, quarter)
         )
 
     def _kept(self, key: Hashable, make: Callable[[], Roof]) -> Roof:
