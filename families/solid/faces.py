@@ -23,6 +23,7 @@ from families.solid.face_net import ONE, Net, Patch
 from families.solid.heights import change, shown
 from families.solid.plan_cells import SAME_PLACE, Ground, Part
 from families.solid.plane_regions import regions
+from families.solid.seamless import seamless
 from families.solid.roofs import Plane, TurnedRoof, Void
 from families.solid.surfaces import Drum, Flat, Sheet
 
@@ -93,14 +94,21 @@ class Faces:
 
     def close(self) -> None:
         """Add all faces."""
-        self._add_roofs(self.top, self.roofs[0], flipped=False)
-        self._add_roofs(self.bottom, self.roofs[1], flipped=True)
-        self._add_walls(self.walls)
+        patches = [
+            *self._roof_patches(self.top, self.roofs[0], flipped=False),
+            *self._roof_patches(self.bottom, self.roofs[1], flipped=True),
+            *self._wall_patches(self.walls),
+        ]
+        self._add(patches)
 
     def show(self) -> None:
         """Add the roofs of the top and the walls of the void, not the sides at which its plan ends."""
-        self._add_roofs(self.top, self.roofs[0], flipped=False)
-        self._add_walls([wall for wall in self.walls if wall.shown])
+        walls = self._wall_patches([wall for wall in self.walls if wall.shown])
+        self._add([*self._roof_patches(self.top, self.roofs[0], flipped=False), *walls])
+
+    def _add(self, patches: list[Patch]) -> None:
+        for patch in seamless(patches, self.net):
+            self.net.add(patch)
 
     # Where the pieces of ways begin and end.
 
@@ -383,23 +391,20 @@ class Faces:
 
     # Faces.
 
-    def _add_roofs(self, skin: Skin, steps: dict[int, Loop], *, flipped: bool) -> None:
+    def _roof_patches(self, skin: Skin, steps: dict[int, Loop], *, flipped: bool) -> Iterator[Patch]:
         for number, loop in steps.items():
             roof = skin.roofs[number]
             for loops in self._closed(_plan, loop):
                 if isinstance(roof, TurnedRoof) and roof.quarter >= 0 and not roof.radius:
                     loops = [_with_pole(roof, one) for one in loops]
-                self.net.add(Patch(roof.sheet, loops, flipped))
+                yield Patch(roof.sheet, loops, flipped)
 
-    def _add_walls(self, walls: Iterable[Wall]) -> None:
+    def _wall_patches(self, walls: Iterable[Wall]) -> Iterator[Patch]:
         chosen = list(walls)
-        for steps in (*self.roofs[0].values(), *self.roofs[1].values()):
-            for step in steps:
-                self.net.ends(step)
         loops = self.net.cut([self.walls[wall] for wall in chosen])
         for wall, loop in zip(chosen, loops, strict=True):
             for found in self._closed(wall.sheet.parameters, loop):
-                self.net.add(Patch(wall.sheet, found, wall.flipped))
+                yield Patch(wall.sheet, found, wall.flipped)
 
     def _closed(self, parameters: Any, steps: Loop) -> list[list[Loop]]:
         """The regions that steps bound, less those that run back and forth."""

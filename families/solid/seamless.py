@@ -1,0 +1,102 @@
+"""Loops without needless vertices: where two edges alone meet that run on along one line or circle, they become one."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families.solid.boundary import Loop, Pole, Step
+from families.solid.curves import Conic, Straight
+from families.solid.face_net import Net, Patch
+
+Array = NDArray[np.float64]
+SAME_CURVE = 1e-6  # [mm], and of directions
+WIDEST = 3.0  # [rad] that an arc may become
+Edge = tuple[int, int, int, int, int]  # its vertices, and its middle [0.1 mm]
+
+
+def seamless(patches: list[Patch], net: Net) -> list[Patch]:
+    """The same patches with such vertices left out, in all of them alike."""
+    leaving: dict[int, dict[Edge, Step]] = defaultdict(dict)
+    for patch in patches:
+        for loop in patch.loops:
+            for step in loop:
+                start, end = net.ends(step)
+                edge = _edge(start, end, step)
+                leaving[start].setdefault(edge, step)
+                leaving[end].setdefault(edge, step.reversed)
+    group: dict[Edge, Edge] = {}
+    width: dict[Edge, float] = {}
+
+    def root(edge: Edge) -> Edge:
+        while group.get(edge, edge) != edge:
+            edge = group[edge]
+        return edge
+
+    dropped: set[int] = set()
+    for vertex, steps in leaving.items():
+        if len(steps) != 2:
+            continue
+        (a, first), (b, last) = steps.items()
+        if root(a) == root(b) or not _go_on(first, last):
+            continue
+        total = sum(width.get(root(edge), _width(step)) for edge, step in steps.items())
+        if total < WIDEST:
+            one, other = root(a), root(b)
+            group[other] = one
+            width[one] = total
+            dropped.add(vertex)
+    if not dropped:
+        return patches
+    return [Patch(patch.sheet, [_folded(loop, dropped, net) for loop in patch.loops], patch.flipped) for patch in patches]
+
+
+def _edge(start: int, end: int, step: Step) -> Edge:
+    x, y, z = np.floor(10 * step.places[1] + 0.5).astype(int).tolist()
+    return min(start, end), max(start, end), x, y, z
+
+
+def _go_on(first: Step, last: Step) -> bool:
+    """Whether two steps that leave one vertex are the two ways along one line or circle."""
+    a, b = first.path, last.path
+    if isinstance(first, Pole) or isinstance(last, Pole):
+        return False
+    if isinstance(a, Straight) and isinstance(b, Straight):
+        ways = [np.multiply(s.path.direction, np.sign(s.end - s.start)) for s in (first, last) if isinstance(s.path, Straight)]
+        return bool(np.abs(ways[0] + ways[1]).max() < 1e-9)
+    if isinstance(a, Conic) and isinstance(b, Conic):
+        if a is not b:
+            if max(abs(a.a - b.a), abs(a.b - b.b), *np.abs(np.subtract(a.centre, b.centre))) > SAME_CURVE:
+                return False
+            if max(*np.abs(np.subtract(a.x, b.x)), *np.abs(np.subtract(a.y, b.y))) > 1e-9:
+                return False
+        return (first.end - first.start) * (last.end - last.start) < 0
+    return False
+
+
+def _width(step: Step) -> float:
+    return abs(step.end - step.start) if isinstance(step.path, Conic) else 0.0
+
+
+def _folded(loop: Loop, dropped: set[int], net: Net) -> Loop:
+    starts = [net.ends(step)[0] for step in loop]
+    first = next((k for k, vertex in enumerate(starts) if vertex not in dropped), None)
+    if first is None:
+        return loop
+    found: Loop = []
+    for k in range(len(loop)):
+        step = loop[(first + k) % len(loop)]
+        if starts[(first + k) % len(loop)] in dropped and found:
+            before = found[-1]
+            path, end = before.path, step.end
+            if path is not step.path:
+                if isinstance(path, Straight):
+                    end = float(path.parameters(step.places[2:])[0])
+                elif isinstance(path, Conic):
+                    end = before.end + (step.end - step.start)
+            found[-1] = Step(path, before.start, end)
+        else:
+            found.append(step)
+    return found
