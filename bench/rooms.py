@@ -29,7 +29,6 @@ FIRST = 1000  # seed of the first room
 DEFAULT = 100  # rooms
 WEAK = 0.9  # mean IoU below which a room is looked at
 BINS = (0.0, 0.5, 0.8, 0.95, 0.99, 1.0)  # of the confidence
-IDS = [family.id for family in FAMILIES]
 
 
 @dataclass(frozen=True)
@@ -144,10 +143,11 @@ def _summarise(outcomes: Sequence[Outcome]) -> None:
         f"{np.mean([o.mean_iou for o in found]):.3f} where a vault was found; {sum(o.vaults > 1 for o in found)} rooms "
         f"with a vault too many; {np.mean([o.seconds for o in outcomes]):.1f} s of processor time a room"
     )
-    print("rows true, columns found\n" + " " * 9 + " ".join(f"{name:>8}" for name in [*IDS, "refused", "IoU"]))
-    for name in IDS:
+    ids = [family.id for family in FAMILIES]
+    print("rows true, columns found\n" + " " * 9 + " ".join(f"{name:>8}" for name in [*ids, "refused", "IoU"]))
+    for name in ids:
         mine = [o for o in outcomes if o.true == name]
-        counts = [sum(o.found == other for o in mine) for other in [*IDS, ""]]
+        counts = [sum(o.found == other for o in mine) for other in [*ids, ""]]
         iou = np.mean([o.mean_iou for o in mine]) if mine else np.nan
         print(f"{name:8} " + " ".join(f"{count:8}" for count in counts) + f" {iou:8.3f}")
 

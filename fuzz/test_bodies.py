@@ -13,7 +13,6 @@ from OCP.TopoDS import TopoDS_Shape
 
 from families import FAMILIES, PROFILES, Vault
 from families.declaration.parameters import Parametric
-from families.declaration.profiles import Profile
 from families.solid import brep
 from families.solid.body import inside
 from families.solid.occ.shapes import is_sound, volume
@@ -27,11 +26,7 @@ POINTS = np.random.default_rng(0).uniform((-1, -1, 0), 1, (200_000, 3))
 @given(data=st.data())
 def test_a_vault_within_the_ranges_is_built_or_refused(family: type[Vault], data: st.DataObject) -> None:
     base = family()
-    profiles = {
-        field.name: data.draw(st.sampled_from(PROFILES))()
-        for field in dataclasses.fields(base)
-        if isinstance(getattr(base, field.name), Profile)
-    }
+    profiles = {name: data.draw(st.sampled_from(PROFILES))() for name in base.profiles}
     profiles = {name: dataclasses.replace(profile, **_values(profile, data)) for name, profile in profiles.items()}
     vault = dataclasses.replace(base, **_values(base, data), **profiles)
     body = _built(vault)

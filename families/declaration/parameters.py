@@ -106,6 +106,11 @@ def derived_declarations(cls: type) -> dict[str, Derived]:
     return found
 
 
+def flat_name(field: str, name: str) -> str:
+    """How a parameter of what a field holds is called: `rise_ratio` of `profile_x` is `rise_ratio_x`."""
+    return field.replace("profile", name) if "profile" in field else name
+
+
 _DECLARED: dict[type, tuple[tuple[str, Range, bool], ...]] = {}
 
 
@@ -131,8 +136,7 @@ def _flatten(shape: Parametric) -> Iterator[Parameter]:
             yield Parameter(field.name, (field.name,), *own[field.name])
         elif isinstance(inner := getattr(shape, field.name), Parametric):
             for p in inner.parameters():
-                name = field.name.replace("profile", p.name) if "profile" in field.name else p.name
-                yield dataclasses.replace(p, name=name, path=(field.name, *p.path))
+                yield dataclasses.replace(p, name=flat_name(field.name, p.name), path=(field.name, *p.path))
 
 
 def _get(shape: Any, path: tuple[str, ...]) -> Any:

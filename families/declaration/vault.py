@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from abc import abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 
 from families.declaration.constraints import Constraint
 from families.declaration.corners import Skew
+from families.declaration.facts import demand_facts
 from families.declaration.parameters import Parametric
 from families.declaration.pieces import Piece, Plan
 from families.declaration.profiles import Profile
+from families.declaration.symmetry import Symmetry
 
 if TYPE_CHECKING:
     import build123d
@@ -43,14 +45,35 @@ class Surface:
 
 @dataclass(frozen=True)
 class Vault(Parametric):
-    """A vault in its frame: origin at the centre of the plan on the springing, x and y along its sides, z up [m]."""
+    """A vault in its frame: origin at the centre of the plan on the springing, x and y along its sides, z up [m].
+
+    A family is a frozen dataclass of this base that declares all that is known of it; nothing stands anywhere else.
+    What has no default here is in `families.declaration.facts`, and a class without it is refused. `catalogue.register`
+    makes it known by its names.
+    """
 
     id: ClassVar[str]
     title: ClassVar[str]
-    aliases: ClassVar[dict[str, tuple[str, ...]]]  # language code -> names
+    aliases: ClassVar[Mapping[str, tuple[str, ...]]]  # language code -> names
+    glossary: ClassVar[tuple[tuple[str, str], ...]] = ()  # terms, and what they mean, for people who read its report
+    roof_type: ClassVar[str]  # of IfcRoofTypeEnum
+    # Length that people measure -> the one parameter that it decides, monotonic in it; each after those it hangs on.
+    ratios: ClassVar[Mapping[str, str]]
+    held: ClassVar[Mapping[str, str]] = {}  # further lengths that a fit can hold, likewise
+    stands_for: ClassVar[Mapping[str, Callable[[float], Mapping[str, float]]]] = {}  # length -> what holding it holds
     constraints: ClassVar[tuple[Constraint, ...]] = ()  # in the order in which a fit tries them
+    usual: ClassVar[Mapping[str, tuple[float, float]]] = {}  # mean and deviation of parameters that are let go
+    alike: ClassVar[tuple[str, ...]] = ()  # the arches that are mostly of one kind
+    raised: ClassVar[tuple[str, ...]] = ()  # the arches that spring higher than the vault itself
+    quarter_turn: ClassVar[Symmetry | None]  # what a turn by 90° changes; None if it is none of the family then
+    half_turn: ClassVar[Symmetry] = Symmetry()
 
     skew: Skew | None = field(default=None, kw_only=True)  # where the plan is no rectangle
+
+    def __init_subclass__(cls, **given: Any) -> None:
+        """See that nothing is missing. Raises TypeError with a sentence that says what is."""
+        super().__init_subclass__(**given)
+        demand_facts(cls, Vault)
 
     @property
     @abstractmethod
@@ -65,6 +88,36 @@ class Vault(Parametric):
     @abstractmethod
     def pieces(self) -> tuple[Piece, ...]:
         """The void, from which the numeric surface and the solid are both made."""
+
+    @classmethod
+    @abstractmethod
+    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+        """Vaults over a plan of these clear widths [m], so many that a fit can begin from the nearest."""
+
+    @classmethod
+    @abstractmethod
+    def drawn(cls, rng: np.random.Generator) -> Self:
+        """A vault with sizes as builders chose them, for virtual scans."""
+
+    @property
+    def itself(self) -> bool:
+        """Whether it has what makes its family; one that has lost it is another's, which says the same, and better."""
+        return True
+
+    @property
+    def may_be_several(self) -> bool:
+        """Whether it looks like several vaults in a row."""
+        return False
+
+    def contradiction(self, points: NDArray[np.float64], own: NDArray[np.float64], tolerance: float) -> str:
+        """Why it cannot be what was scanned, though it fits; empty if it can.
+
+        Args:
+            points: (n, 3) of the scan over its site, in the vault's frame [m].
+            own: (m, 3) those of them above the springing that lie on it.
+            tolerance: how far points of it may be off [m].
+        """
+        return ""
 
     def evaluate(
         self, xyz: NDArray[np.floating], *, frame: NDArray[np.float64] = IDENTITY, walls: bool = False

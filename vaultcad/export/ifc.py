@@ -13,15 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from families import Barrel, Dome, Lunette, Vault
 from segmentation.io.stamp import stamp
 from vaultcad.export.geometry import Body, bodies
 from vaultcad.export.ifc_author import Author, Entity
 from vaultcad.export.palette import colour
 from vaultcad.model import Component, Deviation, FittedVault, Model
 
-# IFC's PAVILION_ROOF is a hipped roof, no cloister vault: what is neither barrel nor dome is user defined.
-ROOF_TYPES: dict[type[Vault], str] = {Barrel: "BARREL_ROOF", Lunette: "BARREL_ROOF", Dome: "DOME_ROOF"}
 STATUS = ("NEW", "EXISTING", "DEMOLISH", "TEMPORARY", "OTHER", "NOTKNOWN", "UNSET")  # PEnum_ElementStatus
 
 
@@ -104,7 +101,7 @@ def _roof(author: Author, fitted: FittedVault, key: str, storey: Entity, model: 
         ObjectType=vault.title,
         ObjectPlacement=place,
         Tag=vault.id,
-        PredefinedType=ROOF_TYPES.get(type(vault), "USERDEFINED"),
+        PredefinedType=vault.roof_type,
     )
     pieces = bodies(vault, thickness)
     facts = {component.name: component for component in fitted.components}

@@ -26,17 +26,14 @@ def declared(cls: type[Vault]) -> dict[str, Any]:
     A parameter has name, kind, unit, low, high, meaning, group, default. One of kind "choice" is a profile: instead of
     a range it has `choices`, profile id -> the parameters that this profile adds.
     """
-    from families import Profile
-    from families.declaration.lengths import RATIOS
     from families.declaration.parameters import derived_declarations
 
     vault = cls()
-    own, values = {p.path[0]: p for p in vault.parameters()}, vault.values()
+    own, values, arches = {p.path[0]: p for p in vault.parameters()}, vault.values(), vault.profiles
     parameters = []
     for name in (field.name for field in fields(cls)):
-        value = getattr(vault, name)
-        if isinstance(value, Profile):
-            parameters.append(_choice(vault, name, value))
+        if name in arches:
+            parameters.append(_choice(vault, name, arches[name]))
         elif name in own:
             parameters.append(_number(own[name], values[name], GROUPS["vault"]))
     sizes = [
@@ -46,7 +43,7 @@ def declared(cls: type[Vault]) -> dict[str, Any]:
             "unit": size.unit,
             "meaning": size.meaning,
             "group": GROUPS["size"],
-            "decides": name in RATIOS[cls.id],
+            "decides": name in cls.ratios,
         }
         for name, size in derived_declarations(cls).items()
     ]
