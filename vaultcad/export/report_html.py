@@ -16,7 +16,7 @@ from vaultcad.export.charts import histogram
 from vaultcad.export.drawing import PLANES, plan, section
 from vaultcad.export.palette import colour
 from vaultcad.export.report_json import in_shown_unit, plain
-from vaultcad.export.report_text import FILES, GLOSSARY, STYLE
+from vaultcad.export.report_text import FILES, STYLE, TERMS
 from vaultcad.model import FLAGS, Component, Deviation, Estimate, FittedVault, Model
 
 SHOWN = 0.02  # chance from which on a kind of arch is shown
@@ -208,10 +208,8 @@ def _files() -> str:
 
 
 def _glossary(model: Model) -> str:
-    words = " ".join(f"{name} {' '.join(f.vault.components)}" for f in model.vaults for name in f.vault.values())
-    items = "".join(
-        f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>" for where, term, text in GLOSSARY if where in words
-    )
+    terms = dict((*TERMS, *(term for fitted in model.vaults for term in fitted.vault.glossary)))
+    items = "".join(f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>" for term, text in terms.items())
     return f"<section><h2>Terms</h2><dl>{items}</dl></section>"
 
 

@@ -2,41 +2,28 @@
 
 from __future__ import annotations
 
-# Terms explained where they occur among a vault's components or parameters; those with "" always.
-GLOSSARY: tuple[tuple[str, str, str], ...] = (
-    ("", "intrados, extrados", "the lower and the upper surface of the masonry; a scan from below sees the intrados"),
-    ("", "springing", "the level where the vault leaves its walls; all heights count from it"),
-    ("", "crown", "the highest line or point of the intrados; the rise is its height above the springing"),
+TERMS: tuple[tuple[str, str], ...] = (
+    ("intrados, extrados", "the lower and the upper surface of the masonry; a scan from below sees the intrados"),
+    ("springing", "the level where the vault leaves its walls; all heights count from it"),
+    ("crown", "the highest line or point of the intrados; the rise is its height above the springing"),
+    ("deviation", "distance of a scanned point to the ideal model; positive into the stone, negative into the room"),
+    ("RMS", "square root of the mean of the squared deviations"),
+    ("95 % limit", "the distance that 95 % of the points keep"),
     (
-        "",
-        "deviation",
-        "distance of a scanned point to the ideal model; positive into the stone, negative into the room",
-    ),
-    ("", "RMS", "square root of the mean of the squared deviations"),
-    ("", "95 % limit", "the distance that 95 % of the points keep"),
-    (
-        "",
         "LOA",
         "USIBD level of accuracy of that limit: LOA10 above 5 cm, LOA20 to 5 cm, LOA30 to 15 mm, LOA40 to 5 mm, "
         "LOA50 to 1 mm",
     ),
     (
-        "",
         "±",
         "one standard deviation: about two times in three the true value is nearer. The true value is that of the "
         "vault as it was built: a settlement that looks like another shape is allowed for",
     ),
-    ("", "seen", "of what a scan of the whole vault would tell of a size, the share that this scan tells"),
-    ("", "coverage", "share of the surface on which there are scanned points"),
-    ("", "as built", "the ideal model bent smoothly to follow settlement and bulges of the stone"),
-    ("web", "web", "one of the fields of a groin vault, between two groins and a wall arch"),
-    ("web", "groin", "the edge where two barrels meet"),
-    ("cove", "cove", "curved strip between a wall and the level field of a mirror vault; S is its run, H its rise"),
-    ("lunette", "lunette", "small transverse vault that cuts into a barrel, often over a window"),
-    ("drum", "drum", "the cylinder between pendentives and dome"),
-    ("pendentive", "pendentive", "spherical triangle that leads from a corner of the square to the ring of the drum"),
-    ("south", "head", "the curved end of a trough vault, like a quarter of a cloister vault"),
+    ("seen", "of what a scan of the whole vault would tell of a size, the share that this scan tells"),
+    ("coverage", "share of the surface on which there are scanned points"),
+    ("as built", "the ideal model bent smoothly to follow settlement and bulges of the stone"),
 )
+"""Terms of every report; those of its families follow."""
 
 FILES: tuple[tuple[str, str], ...] = (
     ("model.step", "exact solids for CAD: FreeCAD, Rhino, CATIA"),
