@@ -59,7 +59,8 @@ def write_report_html(
 
 def _vault(one: Seen, model: Model) -> str:
     fitted, vault, d = one.fitted, one.vault, one.fitted.deviation
-    size = f"{2 * vault.plan.half_x:.2f} × {2 * vault.plan.half_y:.2f}\u00a0m"
+    across, along = (high - low for low, high in (plane.clear(vault) for plane in PLANES))
+    size = f"{across:.2f} × {along:.2f}\u00a0m"
     facts = [
         (size, "plan"),
         (_length(vault.derived_values().get("rise")), "rise"),
