@@ -36,9 +36,9 @@ FILES: tuple[tuple[str, str], ...] = (
 
 STYLE = """
 :root { color-scheme: light dark; --ink: #1d1f23; --soft: #5d6470; --paper: #fbfaf8; --card: #fff; --line: #dcd9d2;
-  --accent: #2f6f8f; --scan: #d9480f; }
+  --accent: #2f6f8f; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e8e6e1; --soft: #a3a9b3; --paper: #17191c; --card: #1f2226;
-  --line: #3a3e45; --accent: #7fbbd6; --scan: #ffa94d; } }
+  --line: #3a3e45; --accent: #7fbbd6; } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 66rem; padding: 2rem 1.25rem 4rem; background: var(--paper); color: var(--ink);
   font: 15px/1.5 system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; overflow-wrap: break-word; }
@@ -57,19 +57,11 @@ p { margin: .3rem 0 .8rem; max-width: 48rem; }
 figure { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: .5rem; padding: .6rem; }
 .drawings figure { flex: 1 1 0; min-width: 0; max-width: 34rem; }
 @media (max-width: 44rem) { .drawings { display: block; } .drawings figure { max-width: none; margin-bottom: 1rem; } }
+.map { max-width: 24rem; margin-top: 1rem; }
 figcaption { font-size: .85rem; margin-top: .3rem; }
 svg { display: block; width: 100%; height: auto; max-height: 34rem; }
-.stone { fill-opacity: .78; stroke: var(--ink); stroke-width: .8; stroke-linejoin: round;
-  vector-effect: non-scaling-stroke; }
-.cutting, .springing, .dimension { fill: none; stroke: var(--soft); stroke-width: 1;
-  vector-effect: non-scaling-stroke; }
-.cutting { stroke-dasharray: 10 3 2 3; } .springing { stroke-dasharray: 4 4; }
-.beyond { fill: none; stroke: var(--soft); stroke-width: .8; vector-effect: non-scaling-stroke; }
-.scan { stroke: var(--scan); stroke-width: 2; stroke-linecap: round; stroke-opacity: .6;
-  vector-effect: non-scaling-stroke; }
-.drawing text { fill: var(--ink); dominant-baseline: middle; text-anchor: middle; }
-.drawing .letter { font-weight: 700; }
-.chart text { font-size: 11px; fill: var(--soft); text-anchor: middle; } .chart rect { fill: var(--accent); }
+.chart text { font-size: 11px; fill: var(--soft); text-anchor: middle; }
+.chart rect { stroke: var(--soft); stroke-width: .5; }
 .chart path { stroke: var(--soft); stroke-width: 1; fill: none; }
 table { border-collapse: collapse; width: 100%; background: var(--card); border: 1px solid var(--line); }
 th, td { text-align: left; padding: .3rem .6rem; border-bottom: 1px solid var(--line); vertical-align: top; }
@@ -92,7 +84,7 @@ td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space:
 dl { display: grid; grid-template-columns: fit-content(40%) 1fr; gap: .2rem 1rem; margin: 0; }
 dt { font-weight: 600; } dd { margin: 0; color: var(--soft); overflow-wrap: anywhere; }
 a { color: var(--accent); }
-.swatch, .bar, .stone, .chart rect { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
+.swatch, .bar, .drawing, .chart rect { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 @media print { body { padding: 0; max-width: none; font-size: 11pt; background: none; } .wide { overflow: visible; }
   section, figure, table, .figures { break-inside: avoid; } h2 { break-after: avoid; } }
 """

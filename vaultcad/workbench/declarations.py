@@ -14,10 +14,20 @@ GROUPS = {"vault": "Dimensions", "profile": "Arches", "size": "Sizes"}
 
 
 def families(request: Request) -> dict[str, Any]:
-    """All families with their parameters in order; lengths in metres, angles in radians."""
+    """All families with their parameters in order, lengths in metres, angles in radians; and how deviations look."""
     from families import FAMILIES
 
-    return {"families": [declared(cls) for cls in FAMILIES]}
+    return {"families": [declared(cls) for cls in FAMILIES], "deviations": deviation_scale()}
+
+
+def deviation_scale() -> dict[str, Any]:
+    """The colours of deviations: `stops`, pairs of a share of the limit and red, green, blue from 0 to 1; `unknown`,
+    where there is none; the usual `limit` [mm].
+    """
+    from families.drawing.deviation_colours import STOPS, UNKNOWN, USUAL_LIMIT
+
+    stops = [[share, list(colour.unit)] for share, colour in STOPS]
+    return {"stops": stops, "unknown": list(UNKNOWN.unit), "limit": 1000 * USUAL_LIMIT}
 
 
 def declared(cls: type[Vault]) -> dict[str, Any]:
