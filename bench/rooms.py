@@ -31,7 +31,6 @@ FIRST = 1000  # seed of the first room
 DEFAULT = 100  # rooms
 WEAK = 0.9  # mean IoU below which a room is looked at
 BINS = (0.0, 0.5, 0.8, 0.95, 0.99, 1.0)  # of the confidence
-IDS = [family.id for family in FAMILIES]
 ROOM = (
     label("seed"),
     text("true"),
@@ -53,7 +52,6 @@ SUMMARY = (
     iou("where found", 3),
     processor("processor", decimals=1),
 )
-CONFUSION = (label("family"), *(number(name) for name in [*IDS, "refused"]), iou("IoU", 3))
 CURVE = (label("said"), number("number"), number("stated", decimals=3), share("right", "number"))
 
 
@@ -103,7 +101,9 @@ def run(chosen: argparse.Namespace) -> Iterator[Table]:
 
     yield Table("rooms", "virtual scans of rooms", settings, ROOM, rows(), detail=True)
     yield Table("summary", "virtual scans of rooms", settings, SUMMARY, [_summary(outcomes)])
-    yield Table("families", "rows true, columns found", settings, CONFUSION, _confusion(outcomes))
+    ids = [family.id for family in FAMILIES]
+    confusion = (label("family"), *map(number, [*ids, "refused"]), iou("IoU", 3))
+    yield Table("families", "rows true, columns found", settings, confusion, _confusion(outcomes, ids))
     found = [o for o in outcomes if o.found]
     if found:
         said, right = np.array([o.confidence for o in found]), np.array([o.right for o in found])
@@ -181,11 +181,11 @@ def _summary(outcomes: Sequence[Outcome]) -> tuple[Figure, ...]:
     )
 
 
-def _confusion(outcomes: Sequence[Outcome]) -> Iterator[tuple[Figure, ...]]:
+def _confusion(outcomes: Sequence[Outcome], ids: Sequence[str]) -> Iterator[tuple[Figure, ...]]:
     """Who was taken for whom."""
-    for name in IDS:
+    for name in ids:
         mine = [o for o in outcomes if o.true == name]
-        counts = [sum(o.found == other for o in mine) for other in [*IDS, ""]]
+        counts = [sum(o.found == other for o in mine) for other in [*ids, ""]]
         yield name, *counts, float(np.mean([o.mean_iou for o in mine])) if mine else None
 
 
