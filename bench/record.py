@@ -22,18 +22,22 @@ ROOT = Path(__file__).parents[1]
 
 @dataclass(frozen=True)
 class Record:
-    """One run. machine: cores, memory, processor and system, and no name. benchmarks: name -> tables."""
+    """One run. machine: cores, memory, processor and system, and no name. benchmarks: name -> tables.
+
+    load: how many processes wanted the processor in the minute before, those of others with them.
+    """
 
     date: str
     machine: dict[str, str | int]
     versions: dict[str, str]
     revision: str
+    load: float
     benchmarks: dict[str, tuple[Table, ...]] = field(default_factory=dict)
 
     @classmethod
     def here(cls) -> Record:
         """Of today and of this machine, still empty."""
-        return cls(date.today().isoformat(), _machine(), _versions(), _revision())
+        return cls(date.today().isoformat(), _machine(), _versions(), _revision(), round(os.getloadavg()[0], 1))
 
     def write(self, path: Path) -> None:
         """Leave it as JSON."""
@@ -59,7 +63,8 @@ class Record:
     def told(self) -> str:
         """Date, machine and code in one line."""
         machine = "{cores} cores, {memory_gib} GiB, {processor}, {system}".format(**self.machine)
-        return f"{self.date}, {machine}, Python {self.versions['python']}, revision {self.revision}"
+        code = f"Python {self.versions['python']}, revision {self.revision}"
+        return f"{self.date}, {machine}, load {self.load:g} before, {code}"
 
 
 def _table(told: dict[str, Any]) -> Table:

@@ -14,7 +14,7 @@ from tools.sections import BEGIN, END
 COLUMNS = (label("cloud"), clock("time"), iou("IoU"), number("rooms"), count("right", "rooms", "more"))
 ROWS = (("sail", 1.0, 0.99, 100, 97), ("two words", 0.5, None, 100, 90))
 HERE = Record(
-    "2026-11-29", {"cores": 2, "memory_gib": 8, "processor": "P", "system": "Linux"}, {"python": "3.11"}, "abc"
+    "2026-11-29", {"cores": 2, "memory_gib": 8, "processor": "P", "system": "Linux"}, {"python": "3.11"}, "abc", 0.5
 )
 
 
@@ -84,7 +84,7 @@ def test_a_section_is_replaced_and_what_stands_around_it_stays(tmp_path):
         measured.write(record(), page)
         told = page.read_text(encoding="utf-8")
         assert told.startswith(
-            "before\n\n<!-- bench shapes -->\n\nOn 2026-11-29, 2 cores, 8 GiB, P, Linux, Python 3.11"
+            "before\n\n<!-- bench shapes -->\n\nOn 2026-11-29, 2 cores, 8 GiB, P, Linux, load 0.5 before, "
         )
         assert told.endswith("    a note\n\n<!-- end shapes -->\n\nafter\n")
         assert "old" not in told
