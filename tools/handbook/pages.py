@@ -33,9 +33,14 @@ def overview() -> str:
     """A row a family: id, name, components, its first name in each language."""
     head = ("id", "vault", "components", *LANGUAGES.values())
     rows = (
-        (f"`{c.id}`", c.title, str(len(c().components)), *(c.aliases[code][0] for code in LANGUAGES)) for c in FAMILIES
+        (f"`{c.id}`", c.title, str(len(c().components)), *(_first(c, code) for code in LANGUAGES)) for c in FAMILIES
     )
     return table(head, rows)
+
+
+def _first(cls: type[Vault], code: str) -> str:
+    name = cls.aliases[code][0]
+    return name.capitalize() if code == "de" else name  # a noun, and in German written as one
 
 
 def family(cls: type[Vault]) -> str:
