@@ -18,7 +18,7 @@ from bench.record import Record
 from bench.tables import told
 
 STANDARD_DEVIATIONS, DIGITS = 2.0, 2.0
-OF_THE_MACHINE = ("s", "ms", "µs")  # units of what another machine changes
+OF_THE_MACHINE = ("s", "ms", "µs")  # units of what another machine changes, and other work on it
 WORSE, REFUSED = 1, 2
 
 
@@ -45,8 +45,8 @@ def main(arguments: list[str]) -> int:
         print(error)
         return REFUSED
     print(f"old: {old.told}\nnew: {new.told}")
-    if old.machine != new.machine:
-        print("the machines differ: times are not judged")
+    if reason := untimed(old, new):
+        print(f"{reason}: times are not judged")
     changes, left_out = compared(old, new)
     for reason in left_out:
         print(f"not compared: {reason}")
@@ -60,11 +60,20 @@ def main(arguments: list[str]) -> int:
     return WORSE if worse else 0
 
 
+def untimed(old: Record, new: Record) -> str:
+    """Why times tell nothing; empty where they do."""
+    if old.machine != new.machine:
+        return "the machines differ"
+    if max(old.load, new.load) >= float(old.machine["cores"]):
+        return "other work kept the machine busy"
+    return ""
+
+
 def compared(old: Record, new: Record) -> tuple[list[Change], list[str]]:
     """All figures that both runs have and that have a good direction; and what was left out, with the reason."""
     changes: list[Change] = []
     left_out: list[str] = []
-    same_machine = old.machine == new.machine
+    timed = not untimed(old, new)
     for name in sorted({*old.benchmarks, *new.benchmarks}):
         before = {table.name: table for table in old.benchmarks.get(name, ())}
         after = {table.name: table for table in new.benchmarks.get(name, ())}
@@ -75,17 +84,17 @@ def compared(old: Record, new: Record) -> tuple[list[Change], list[str]]:
             elif before[key].settings != after[key].settings:
                 left_out.append(f"{where}: the settings differ")
             else:
-                changes += _changes(where, before[key], after[key], same_machine)
+                changes += _changes(where, before[key], after[key], timed)
                 rows, others = _rows(before[key]), _rows(after[key])
                 left_out += [f"{where}, {row}: only in the old run" for row in rows if row not in others]
     return changes, left_out
 
 
-def _changes(where: str, before: Table, after: Table, same_machine: bool) -> Iterator[Change]:
+def _changes(where: str, before: Table, after: Table, timed: bool) -> Iterator[Change]:
     old, new = _rows(before), _rows(after)
     for row in (row for row in new if row in old):
         for column in after.columns:
-            if column.better and (same_machine or column.unit not in OF_THE_MACHINE) and column.name in old[row]:
+            if column.better and (timed or column.unit not in OF_THE_MACHINE) and column.name in old[row]:
                 was, now = old[row][column.name], new[row][column.name]
                 if isinstance(was, int | float) and isinstance(now, int | float):
                     cases = _cases(old[row], column), _cases(new[row], column)

@@ -149,6 +149,14 @@ def test_times_of_another_machine_are_not_judged():
     assert {change.where.rpartition(", ")[2] for change in changes} == {"IoU", "right"}
 
 
+def test_times_of_a_busy_machine_are_not_judged(tmp_path, capsys):
+    old, new = tmp_path / "old.json", tmp_path / "new.json"
+    record().write(old)
+    replace(record(slower(9)), load=2.0).write(new)
+    assert main([str(old), str(new)]) == 0
+    assert "busy: times are not judged" in capsys.readouterr().out
+
+
 def test_other_settings_and_rows_that_are_gone_are_said():
     assert compared(record(), record(points=5)) == ([], ["shapes, clouds: the settings differ"])
     assert compared(record(), record(ROWS[:1]))[1] == ["shapes, clouds, two words: only in the old run"]
