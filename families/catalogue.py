@@ -45,6 +45,9 @@ def family(name: str) -> type[Vault]:
 
     Raises:
         ValueError: no such family; names the ids.
+
+    >>> family("crociera").id
+    'groin'
     """
     for cls in FAMILIES:
         if _plain(name) in map(_plain, _names(cls)):
@@ -57,6 +60,9 @@ def profile(name: str) -> type[Profile]:
 
     Raises:
         ValueError: no such profile; names the ids.
+
+    >>> profile("Spitzbogen").id
+    'pointed'
     """
     for cls in PROFILES:
         if _plain(name) in map(_plain, (cls.id, *cls.aliases)):
@@ -65,13 +71,17 @@ def profile(name: str) -> type[Profile]:
 
 
 def ideal(name: str, /, **parameters: Any) -> Vault:
-    """The vault of a family's name and parameters: `ideal("crociera", span_x=6, profile_x="pointed", rise_y=2)`.
+    """The vault of a family's name and parameters.
 
     Profiles go by their names in any language or are given as they are, numbers by their flat names [m, rad or 1];
     lengths that follow from ratios may stand for these (`rise_y`: see `families.declaration.lengths`).
 
     Raises:
         ValueError: an unknown name, or a value that cannot be.
+
+    >>> vault = ideal("crociera", span_x=6, profile_x="pointed", rise_x=4)
+    >>> vault.id, vault.kinds, round(vault.rise, 6)
+    ('groin', {'profile_x': 'pointed', 'profile_y': 'semicircular'}, 4.0)
     """
     vault = family(name)()
     kinds = list(vault.profiles)

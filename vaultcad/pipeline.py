@@ -83,6 +83,11 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
     Raises:
         NoVaultError: the scan is too small, or no family explains what stands above its floor.
         ValueError: `fix` or `free` name what there is not; says what there is.
+
+    >>> from segmentation import read
+    >>> fitted = fit_scan(read("examples/room.laz")).model.vaults[0]
+    >>> fitted.vault.id, round(fitted.parameters["span_x"].value, 2), fitted.deviation.loa
+    ('groin', 4.61, 'LOA20')
     """
     settings = settings or FitSettings()
     families, demands = demand(settings.families, settings.fix, settings.free, cloud.origin.tolist())

@@ -16,6 +16,10 @@ def with_lengths(vault: Vault, lengths: Mapping[str, float], *, called: Callable
 
     Raises:
         ValueError: a length cannot be had with the other parameters, or its profile leaves it no choice.
+
+    >>> from families import Dome
+    >>> round(with_lengths(Dome(radius=3), {"drum_height": 1.5}).drum_ratio, 9)
+    0.5
     """
     from scipy.optimize import brentq
 

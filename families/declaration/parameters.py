@@ -84,6 +84,10 @@ class Parametric:
 
         Raises:
             ValueError: an unknown name, or a value outside its range.
+
+        >>> from families import Barrel, Pointed
+        >>> Barrel(profile=Pointed()).replaced({"span": 4, "rise_ratio": 0.8}).rise
+        3.2
         """
         known = {p.name: p for p in self.parameters()}
         tree: dict[str, Any] = {}

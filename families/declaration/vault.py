@@ -128,6 +128,12 @@ class Vault(Parametric):
             xyz: the points.
             frame: (3, 4) rigid motion that brings the points into the vault's frame.
             walls: the vault on its walls: points nearer to a wall, or below the springing, have component 0.
+
+        >>> from families import Groin
+        >>> vault = Groin(span_x=6, span_y=6)
+        >>> here = vault.evaluate(np.array([[0.0, -2.0, 2.9], [2.0, 0.0, 3.2]]))
+        >>> here.distance.round(3).tolist(), [vault.components[k - 1] for k in here.component]
+        ([-0.1, 0.2], ['web_south', 'web_east'])
         """
         from families.void import kernel
 
@@ -143,7 +149,12 @@ class Vault(Parametric):
     def distance(
         self, xyz: NDArray[np.floating], *, frame: NDArray[np.float64] = IDENTITY, walls: bool = False
     ) -> NDArray[np.float64]:
-        """Signed distances (n,) [m] of points (n, 3), positive in the stone."""
+        """Signed distances (n,) [m] of points (n, 3), positive in the stone.
+
+        >>> from families import Barrel
+        >>> Barrel(span=4, length=6).distance(np.array([[0.0, 0.0, 1.5], [0.0, 0.0, 2.25]])).tolist()
+        [-0.5, 0.25]
+        """
         from families.void import kernel
 
         if self.skew is not None:
@@ -164,7 +175,14 @@ class Vault(Parametric):
         return {name: arch.id for name, arch in self.profiles.items()}
 
     def plain(self) -> dict[str, Any]:
-        """The whole vault as plain values, ready for JSON; `from_plain` reads it."""
+        """The whole vault as plain values, ready for JSON; `from_plain` reads it.
+
+        >>> from families import Sail
+        >>> Sail(span_x=4).plain()["parameters"]
+        {'span_x': 4.0, 'span_y': 5.0, 'rise_ratio': 0.8}
+        >>> Vault.from_plain(Sail(span_x=4).plain()) == Sail(span_x=4)
+        True
+        """
         return {"schema": SCHEMA, "family": self.id, "profiles": self.kinds, "parameters": self.values()}
 
     @classmethod
@@ -216,13 +234,25 @@ class Vault(Parametric):
         return brep.intrados(self)
 
     def void(self) -> build123d.Part:
-        """The room under the vault [mm], above the springing and within the plan, to be cut out of a block."""
+        """The room under the vault [mm], above the springing and within the plan, to be cut out of a block.
+
+        >>> from math import pi
+        >>> from families import Barrel
+        >>> round(Barrel(span=4, length=6).void().volume / 1e9 / pi, 6)
+        12.0
+        """
         from families.solid import brep
 
         return brep.room(self)
 
     def solid(self, thickness: float = 0.15) -> build123d.Part:
-        """The masonry [mm] between the intrados and an extrados with all radii larger by `thickness` [m]."""
+        """The masonry [mm] between the intrados and an extrados with all radii larger by `thickness` [m].
+
+        >>> from math import pi
+        >>> from families import Barrel
+        >>> round(Barrel(span=4, length=6).solid(0.5).volume / 1e9 / pi, 6)  # (2.5² - 2²) / 2 x 6 m
+        6.75
+        """
         from families.solid import brep
 
         return brep.solid(self, thickness)
@@ -231,6 +261,11 @@ class Vault(Parametric):
         """The faces of this vault's void or solid, labelled and coloured, by component, "extrados" and "side".
 
         build123d itself keeps no names of faces: ask here after each time that the body was made or moved back.
+
+        >>> from families import Mirror
+        >>> vault = Mirror()
+        >>> sorted(vault.named_faces(vault.void()))
+        ['cove_east', 'cove_north', 'cove_south', 'cove_west', 'plane', 'side']
         """
         from families.solid import brep
 
@@ -243,7 +278,13 @@ class Vault(Parametric):
         return notebook.bundle(self)
 
     def sample(self, count: int, rng: np.random.Generator) -> Sample:
-        """`count` points spread evenly over the intrados, with normals and components."""
+        """`count` points spread evenly over the intrados, with normals and components.
+
+        >>> from families import Dome
+        >>> cloud = Dome(radius=3).sample(1000, np.random.default_rng(1))
+        >>> cloud.xyz.shape, cloud.normals.shape, np.unique(cloud.component).tolist()
+        ((1000, 3), (1000, 3), [1, 2, 3, 4, 5, 6])
+        """
         from families.void import sampling
 
         return sampling.sample(self, count, rng)

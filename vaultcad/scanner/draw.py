@@ -20,6 +20,10 @@ def draw(kind: type[Vault] | str, rng: np.random.Generator) -> tuple[Vault, Scan
 
     Raises:
         ValueError: no such family.
+
+    >>> vault, settings = draw("botte", np.random.default_rng(1))
+    >>> vault.id, 2.5 <= vault.span <= 8, settings.stations
+    ('barrel', True, 1)
     """
     cls = family(kind) if isinstance(kind, str) else kind
     while not is_its_family(vault := cls.drawn(rng)):
