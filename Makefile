@@ -14,7 +14,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install tools demo test check format bench fuzz lock clean
+.PHONY: help install tools demo test check format bench fuzz handbook lock clean
 
 help:
 	@echo 'make demo     fit the scan examples/room.laz: demo/groin'
@@ -23,6 +23,7 @@ help:
 	@echo 'make format   put the code in order'
 	@echo 'make bench    the benchmarks'
 	@echo 'make fuzz     the tests that make up their own bad input'
+	@echo 'make handbook what docs/families.md and the README say of the families, anew from their declarations'
 	@echo 'make install  set up .venv for fits alone  (PYTHON=python3.12 picks the interpreter)'
 	@echo 'make tools    set up .venv with the extras and the tools of the tests, too'
 	@echo 'make lock     requirements.lock and requirements-dev.lock anew from pyproject.toml (needs uv)'
@@ -55,6 +56,9 @@ bench: tools
 
 fuzz: tools
 	$(BIN)/python -m pytest fuzz $(ARGS)
+
+handbook: tools
+	$(BIN)/python -m tools.handbook
 
 # No --upgrade: what the locks hold already stays as it is. build123d asks for OCP without VTK, cadquery for OCP with it;
 # both write the package `OCP`, and where both would be, only the one with VTK serves both.

@@ -1,14 +1,27 @@
-"""Runs the benchmarks that are named, or all, and prints their tables with date and machine."""
+"""Runs the benchmarks that are named, or all, and shows their tables; `compare OLD NEW` says what got worse."""
 
 from __future__ import annotations
 
 import argparse
-import os
-import platform
-from datetime import date
+import sys
+from pathlib import Path
 
-from bench import barren, cost, defaults, limits, profiles, rooms, shapes, uncertainty, workbench
+from bench import (
+    barren,
+    cost,
+    defaults,
+    limits,
+    measured,
+    profiles,
+    regressions,
+    rooms,
+    shapes,
+    tables,
+    uncertainty,
+    workbench,
+)
 from bench.peers import table as peers
+from bench.record import Record
 
 BENCHMARKS = {
     "shapes": shapes.run,
@@ -24,28 +37,32 @@ BENCHMARKS = {
 }
 
 
-def main() -> None:
+def main(arguments: list[str]) -> int:
     """The command line."""
+    if arguments[:1] == ["compare"]:
+        return regressions.main(arguments[1:])
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
     parser.add_argument("names", nargs="*", default=[], help=f"any of {', '.join(BENCHMARKS)}; all if none is named")
+    parser.add_argument("--json", type=Path, help="file for the figures, with date, machine, versions and revision")
+    parser.add_argument("--write", action="store_true", help=f"put the figures into docs/{measured.PAGE.name}")
     parser.add_argument("--seeds", type=int, default=3, help="seeds of each ideal cloud (shapes), default 3")
     parser.add_argument("--points", type=int, default=1_000_000, help="points of a cloud, default 1000000")
-    cost.options(parser)
-    peers.options(parser)
-    rooms.options(parser)
-    barren.options(parser)
-    profiles.options(parser)
-    limits.options(parser)
-    defaults.options(parser)
-    uncertainty.options(parser)
-    chosen = parser.parse_args()
+    for module in (cost, peers, rooms, barren, profiles, limits, defaults, uncertainty):
+        module.options(parser)
+    chosen = parser.parse_args(arguments)
     unknown = sorted(set(chosen.names) - set(BENCHMARKS))
     if unknown:
         parser.error(f"no benchmark {', '.join(unknown)}; there are {', '.join(BENCHMARKS)}")
-    machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
-    print(f"{date.today()}, {machine}, Python {platform.python_version()}")
+    record = Record.here()
+    print(record.told)
     for name in chosen.names or BENCHMARKS:
-        BENCHMARKS[name](chosen)
+        record.benchmarks[name] = tuple(map(tables.show, BENCHMARKS[name](chosen)))
+        if chosen.json:  # after each, for they take long
+            record.write(chosen.json)
+        if chosen.write:
+            measured.write(record)
+    return 0
 
 
-main()
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -16,6 +16,7 @@ from multiprocessing import get_context
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.figures import Figure, Table, count, label, number, processor, text
 from families import FAMILIES, Barrel, Groin, Sail, Segmental, Trough, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import VaultcadError
@@ -28,17 +29,29 @@ SCANS = 200  # of either kind
 POINTS = 60_000
 SHALLOW = (0.06, 0.12)  # rise / span
 STRONG = (0.04, 0.10)  # m of settlement
+SUMMARISED = {
+    "without a vault": "scenes without a vault; wrong: one was invented",
+    "hard to tell": "shallow and strongly settled vaults; wrong: none was found",
+}
+SCAN = (label("seed"), text("kind"), processor("processor", decimals=1), text("found, or why nothing was"))
+KIND = (label("kind"), number("scans"), count("wrong", "scans", "less"), processor("processor", decimals=1))
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one scan: its kind, what was found or why nothing was."""
+    """What became of one scan: its kind, whether it has a vault, what was found or why nothing was."""
 
     seed: int
     kind: str
+    vaulted: bool
     found: tuple[str, ...]
     refusal: str
     seconds: float
+
+    @property
+    def wrong(self) -> bool:
+        """Whether a vault was invented or lost."""
+        return bool(self.found) != self.vaulted
 
 
 def options(parser: argparse.ArgumentParser) -> None:
@@ -46,29 +59,36 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scenes", type=int, default=SCANS, help=f"scans of either kind (barren), default {SCANS}")
 
 
-def run(chosen: argparse.Namespace) -> None:
-    """One row for each scan that came out wrong, then the counts by kind."""
-    for title, one in (("scenes without a vault", barren), ("shallow and strongly settled vaults", vaulted)):
-        print(f"\n{title}, {chosen.scenes} of them, seeds from {FIRST}")
-        with ProcessPoolExecutor(chosen.workers, get_context("spawn")) as pool:
-            outcomes = list(pool.map(one, range(FIRST, FIRST + chosen.scenes)))
-        wrong = [o for o in outcomes if bool(o.found) == (one is barren)]
-        for o in wrong:
-            print(f"{o.seed}  {o.kind:10} {', '.join(o.found) or o.refusal}")
-        for kind in dict.fromkeys(o.kind for o in outcomes):
-            mine = [o for o in outcomes if o.kind == kind]
-            bad = sum(o in wrong for o in mine)
-            seconds = np.mean([o.seconds for o in mine])
-            print(
-                f"{kind:10} {len(mine):4} scans, {bad} {'invented' if one is barren else 'lost'}, {seconds:.1f} s each"
-            )
-        print(f"{len(wrong)} of {len(outcomes)} wrong")
+def run(chosen: argparse.Namespace) -> Iterator[Table]:
+    """One row for each scan, then the counts by kind."""
+    settings = {"scenes": chosen.scenes, "points": POINTS, "first seed": FIRST}
+    for name, one in (("without a vault", barren), ("hard to tell", vaulted)):
+        outcomes: list[Outcome] = []
+        rows = _rows(one, chosen, outcomes)
+        yield Table(f"scans {name}", f"scans {name}", settings, SCAN, rows, detail=True)
+        yield Table(name, SUMMARISED[name], settings, KIND, _kinds(outcomes))
+
+
+def _rows(
+    one: Callable[[int], Outcome], chosen: argparse.Namespace, outcomes: list[Outcome]
+) -> Iterator[tuple[Figure, ...]]:
+    with ProcessPoolExecutor(chosen.workers, get_context("spawn")) as pool:
+        for o in pool.map(one, range(FIRST, FIRST + chosen.scenes)):
+            outcomes.append(o)
+            mark = "  <" if o.wrong else ""
+            yield str(o.seed), o.kind, o.seconds, (", ".join(o.found) or o.refusal) + mark
+
+
+def _kinds(outcomes: Sequence[Outcome]) -> Iterator[tuple[Figure, ...]]:
+    for kind in ("all", *dict.fromkeys(o.kind for o in outcomes)):
+        mine = [o for o in outcomes if kind in ("all", o.kind)]
+        yield kind, len(mine), sum(o.wrong for o in mine), float(np.mean([o.seconds for o in mine]))
 
 
 def barren(seed: int) -> Outcome:
     """A scene without a vault, fitted."""
     kind = list(SCENES)[seed % len(SCENES)]
-    return _fitted(seed, kind, draw_barren(kind, np.random.default_rng(seed), POINTS))
+    return _fitted(seed, kind, False, draw_barren(kind, np.random.default_rng(seed), POINTS))
 
 
 def vaulted(seed: int) -> Outcome:
@@ -82,7 +102,7 @@ def vaulted(seed: int) -> Outcome:
             else:
                 vault, settings = draw(FAMILIES[seed // 2 % len(FAMILIES)], rng)
                 settings = replace(settings, settlement=rng.uniform(*STRONG))
-            return _fitted(seed, kind, scan(vault, replace(settings, points=POINTS), rng=rng).xyz)
+            return _fitted(seed, kind, True, scan(vault, replace(settings, points=POINTS), rng=rng).xyz)
 
 
 def _sizes(rng: np.random.Generator) -> tuple[float, float, float]:
@@ -113,7 +133,7 @@ def _trough(rng: np.random.Generator) -> Vault:
 SHALLOW_VAULTS: tuple[Callable[[np.random.Generator], Vault], ...] = (_barrel, _sail, _groin, _trough)
 
 
-def _fitted(seed: int, kind: str, xyz: NDArray[np.float64]) -> Outcome:
+def _fitted(seed: int, kind: str, has_vault: bool, xyz: NDArray[np.float64]) -> Outcome:
     start = time.process_time()
     found: tuple[str, ...] = ()
     refusal = ""
@@ -125,4 +145,4 @@ def _fitted(seed: int, kind: str, xyz: NDArray[np.float64]) -> Outcome:
         )
     except VaultcadError as error:
         refusal = str(error)
-    return Outcome(seed, kind, found, refusal, time.process_time() - start)
+    return Outcome(seed, kind, has_vault, found, refusal, time.process_time() - start)

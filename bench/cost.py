@@ -12,33 +12,50 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from bench.clouds import IDEALS
-from bench.peers.job import memory
+from bench.figures import Figure, Table, clock, iou, label, memory, processor
+from bench.peers.job import memory as resident
 
 LARGE = 19_200_000  # points of the trough
 SMALL = 100_000  # points of the first call
+FIRST = (
+    label("normals"),
+    label("cache"),
+    clock("import"),
+    clock("first"),
+    clock("second"),
+    clock("compiling"),
+    processor("its processor"),
+)
+LARGEST = (clock("clock"), processor("processor"), memory("memory", "bytes", 1), iou("least IoU"))
 
 
-def run(chosen: argparse.Namespace) -> None:
+def run(chosen: argparse.Namespace) -> Iterator[Table]:
     """First calls with an empty and a full cache of compiled code; then the large cloud."""
-    print(f"\nfirst call in a new process, {SMALL:,} points of a groin vault, s")
-    print(f"{'normals':9} {'cache':6} {'import':>7} {'first':>6} {'second':>6} {'compiling':>9} {'its cpu':>8}")
+    yield Table("first call", "first call in a new process, a groin vault", {"points": SMALL}, FIRST, _first_calls())
+    yield Table(
+        "large",
+        "a trough, float32, normals estimated, after a first call; memory a point beyond the cloud",
+        {"points": chosen.large},
+        LARGEST,
+        (tuple(_process({}, "large", str(chosen.large)).values()) for _ in range(1)),
+    )
+
+
+def _first_calls() -> Iterator[tuple[Figure, ...]]:
+    """A row each for normals and cache; compiling is what the first call takes beyond a second one."""
     for normals in ("given", "estimated"):
         with tempfile.TemporaryDirectory() as cache:
             empty, full = (_process({"NUMBA_CACHE_DIR": cache}, "first", normals) for _ in range(2))
         for name, took in (("empty", empty), ("full", full)):
             compiling, busy = took["first"] - full["second"], took["first_cpu"] - full["second_cpu"]
-            seconds = f"{took['import']:7.2f} {took['first']:6.2f} {took['second']:6.2f} {compiling:9.2f} {busy:8.2f}"
-            print(f"{normals:9} {name:6} {seconds}")
-    print(f"\ntrough of {chosen.large:,} points, float32, normals estimated, after a first call")
-    took = _process({}, "large", str(chosen.large))
-    seconds = f"{took['seconds']:.2f} s (processor {took['cpu']:.2f})"
-    print(f"{seconds}; {took['bytes']:.1f} bytes a point beyond the cloud; least IoU {took['iou']:.4f}")
+            yield normals, name, took["import"], took["first"], took["second"], compiling, busy
 
 
 def options(parser: argparse.ArgumentParser) -> None:
@@ -77,11 +94,11 @@ def large(points: str) -> dict[str, float]:
     xyz, truth = cloud.xyz.astype(np.float32), cloud.component
     del cloud
     detect(xyz[:SMALL])
-    before = memory("VmRSS")
+    before = resident("VmRSS")
     Path("/proc/self/clear_refs").write_text("5", encoding="ascii")  # the peak starts anew
     start, busy = time.perf_counter(), time.process_time()
     labels = detect(xyz).labels
-    seconds, cpu, peak = time.perf_counter() - start, time.process_time() - busy, memory("VmHWM")
+    seconds, cpu, peak = time.perf_counter() - start, time.process_time() - busy, resident("VmHWM")
     return {
         "seconds": seconds,
         "cpu": cpu,

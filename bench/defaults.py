@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -11,6 +12,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from bench.figures import Figure, Table, count, label, number, text
 from families import FAMILIES, family
 from segmentation.cloud import Cloud
 from vaultcad.errors import VaultcadError
@@ -20,6 +22,13 @@ from vaultcad.scanner import ScannerSettings, scan
 
 POINTS = 60_000
 DEFAULT = 100  # seeds of each family
+FIT = (label("family"), label("seed"), text("what was wrong or nudged"))
+FILES = (
+    label("family"),
+    number("fits"),
+    count("without all files", "fits", "less"),
+    count("nudged", "fits", "less"),
+)
 
 
 @dataclass(frozen=True)
@@ -37,19 +46,27 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--defaults", type=int, default=DEFAULT, help=f"seeds a family (defaults), default {DEFAULT}")
 
 
-def run(chosen: argparse.Namespace) -> None:
-    """What went wrong, what was nudged, and how many by family."""
-    print(f"\ndefault rooms of {POINTS:,} points, seeds 0 to {chosen.defaults - 1} of each family")
+def run(chosen: argparse.Namespace) -> Iterator[Table]:
+    """A row for each fit in which something went wrong or was nudged, then how many by family."""
+    settings = {"rooms a family": chosen.defaults, "points": POINTS, "first seed": 0}
+    outcomes: list[Outcome] = []
+    yield Table("fits", "fits that were not all well", settings, FIT, _rows(chosen, outcomes), detail=True)
+    yield Table("files", "default rooms, fitted and written", settings, FILES, _families(outcomes))
+
+
+def _rows(chosen: argparse.Namespace, outcomes: list[Outcome]) -> Iterator[tuple[Figure, ...]]:
     asked = [(cls.id, seed) for cls in FAMILIES for seed in range(chosen.defaults)]
     with ProcessPoolExecutor(chosen.workers, get_context("spawn")) as pool:
-        outcomes = list(pool.map(one, asked, chunksize=4))
-    for o in outcomes:
-        for text in filter(None, (o.wrong, *o.nudged)):
-            print(f"{o.family:8} {o.seed:3}  {text}")
+        for o in pool.map(one, asked, chunksize=4):
+            outcomes.append(o)
+            if told := "; ".join(filter(None, (o.wrong, *o.nudged))):
+                yield o.family, str(o.seed), told
+
+
+def _families(outcomes: Sequence[Outcome]) -> Iterator[tuple[Figure, ...]]:
     for cls in FAMILIES:
         mine = [o for o in outcomes if o.family == cls.id]
-        wrong, nudged = sum(bool(o.wrong) for o in mine), sum(bool(o.nudged) for o in mine)
-        print(f"{cls.id:8} {len(mine):4} fits, {wrong} without all files, {nudged} nudged")
+        yield cls.id, len(mine), sum(bool(o.wrong) for o in mine), sum(bool(o.nudged) for o in mine)
 
 
 def one(asked: tuple[str, int]) -> Outcome:

@@ -7,7 +7,7 @@ or all of them leaning by 1 to 3 degrees. The family is left to be recognised.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -17,6 +17,7 @@ from multiprocessing import get_context
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.figures import Figure, Table, count, error, label, number, share, text
 from bench.uncertainty import Number, compared, within
 from families import FAMILIES
 from segmentation.cloud import Cloud
@@ -31,6 +32,17 @@ POINTS = 150_000
 FEW = (3_000, 5_000, 8_000, 20_000, 50_000)  # points that are left of it
 LEANING = (1.0, 2.0, 3.0)  # degrees
 DEFAULT = 105  # rooms of each kind
+ROOM = (label("seed"), text("setting"), text("family"), text("what came of it"))
+SETTING = (
+    label("setting"),
+    number("rooms"),
+    count("right", "rooms", "more"),
+    count("refused", "rooms", ""),
+    count("another", "rooms", "less"),
+    number("numbers"),
+    share("within", "numbers"),
+)
+LEAN = (error("median", "°", 2), error("95 % below", "°", 2))
 
 Array = NDArray[np.float64]
 
@@ -56,24 +68,36 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--limits", type=int, default=DEFAULT, help=f"rooms of each kind (limits), default {DEFAULT}")
 
 
-def run(chosen: argparse.Namespace) -> None:
+def run(chosen: argparse.Namespace) -> Iterator[Table]:
     """How many are right, and how often the truth is within what is stated, by number of points and by lean."""
+    settings = {"rooms": chosen.limits, "points": POINTS, "first seed": FIRST}
     for name, one in (("sparse", sparse), ("leaning", leaning)):
-        print(f"\n{name}: {chosen.limits} rooms, seeds from {FIRST}")
-        with ProcessPoolExecutor(chosen.workers, get_context("spawn")) as pool:
-            outcomes = list(pool.map(one, range(FIRST, FIRST + chosen.limits)))
-        for o in outcomes:
-            if o.verdict != "right" or within(o.numbers).sum() < 0.7 * len(o.numbers):
-                print(f"{o.seed}  {o.setting:12} {o.family:8} {o.verdict}: {o.told}")
-        print(f"{'':12} rooms right refused another  numbers within")
-        for setting in ("all", *dict.fromkeys(o.setting for o in outcomes)):
-            mine = [o for o in outcomes if setting in ("all", o.setting)]
-            verdicts = [sum(o.verdict == v for o in mine) for v in ("right", "refused", "another family")]
-            numbers = [number for o in mine for number in o.numbers]
-            counts = "".join(f"{n:8}" for n in verdicts)
-            print(f"{setting:12} {len(mine):5}{counts} {len(numbers):8} {within(numbers).mean():7.1%}")
+        outcomes: list[Outcome] = []
+        rows = _rows(one, chosen, outcomes)
+        yield Table(f"{name} rooms", f"{name} rooms that were not all well", settings, ROOM, rows, detail=True)
+        yield Table(name, f"{name} rooms", settings, SETTING, _settings(outcomes))
         tilts = np.degrees([o.tilt for o in outcomes if o.verdict == "right"])
-        print(f"error of the lean: median {np.median(tilts):.2f}, 95 % below {np.quantile(tilts, 0.95):.2f} degrees")
+        if len(tilts):
+            lean = float(np.median(tilts)), float(np.quantile(tilts, 0.95))
+            yield Table(f"lean, {name}", "error of what is said of the lean", settings, LEAN, [lean])
+
+
+def _rows(
+    one: Callable[[int], Outcome], chosen: argparse.Namespace, outcomes: list[Outcome]
+) -> Iterator[tuple[Figure, ...]]:
+    with ProcessPoolExecutor(chosen.workers, get_context("spawn")) as pool:
+        for o in pool.map(one, range(FIRST, FIRST + chosen.limits)):
+            outcomes.append(o)
+            if o.verdict != "right" or within(o.numbers).sum() < 0.7 * len(o.numbers):
+                yield str(o.seed), o.setting, o.family, f"{o.verdict}: {o.told}"
+
+
+def _settings(outcomes: Sequence[Outcome]) -> Iterator[tuple[Figure, ...]]:
+    for setting in ("all", *dict.fromkeys(o.setting for o in outcomes)):
+        mine = [o for o in outcomes if setting in ("all", o.setting)]
+        verdicts = (sum(o.verdict == v for o in mine) for v in ("right", "refused", "another family"))
+        numbers = [n for o in mine for n in o.numbers]
+        yield setting, len(mine), *verdicts, len(numbers), float(within(numbers).mean()) if numbers else None
 
 
 def sparse(seed: int) -> Outcome:

@@ -7,15 +7,17 @@ family is taken for another are counted apart: their arches are another's.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from math import hypot, radians
 from multiprocessing import get_context
 
 import numpy as np
 
+from bench.figures import Figure, Table, error, label, number, share
+from bench.rooms import CURVE, binned
 from bench.uncertainty import WITHIN
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
@@ -30,6 +32,23 @@ POINTS = 80_000
 SETTLED = 0.05  # m, at most
 DEFAULT = 300  # rooms
 BINS = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)  # of the chance of the likeliest kind
+ARCHES = (
+    label("arches", 24),
+    number("number"),
+    share("likeliest", "number"),
+    share("among said", "number"),
+    number("said", decimals=2),
+    number("alone"),
+    share("right alone", "alone"),
+)
+LENGTHS = (
+    label("family"),
+    label("length"),
+    number("number"),
+    share("within", "number"),
+    error("error"),
+    error("std"),
+)
 
 
 @dataclass(frozen=True)
@@ -57,38 +76,40 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--settled", type=int, default=DEFAULT, help=f"rooms (profiles), default {DEFAULT}")
 
 
-def run(chosen: argparse.Namespace) -> None:
+def run(chosen: argparse.Namespace) -> Iterator[Table]:
     """What was said of each arch, by place and by true kind; whether odds hold; rise and springing by family."""
-    print(f"\nprofiles: {chosen.settled} rooms settled by 0 to {100 * SETTLED:g} cm, seeds from {FIRST}")
+    settings = {"rooms": chosen.settled, "points": POINTS, "first seed": FIRST}
     with ProcessPoolExecutor(chosen.workers, get_context("spawn")) as pool:
         outcomes = list(pool.map(one, range(FIRST, FIRST + chosen.settled)))
-    for other in sorted({o.other for o in outcomes if o.other}):
-        print(f"{sum(o.other == other for o in outcomes):4} left out: {other}")
-    rows = [(o.family, arch) for o in outcomes for arch in o.arches]
-    print(
-        f"{'arches':28} {'number':>6} {'likeliest':>9} {'among said':>10} {'said':>5} {'alone':>6} {'right alone':>11}"
-    )
-    _row("all", [arch for _, arch in rows])
-    for family, place in dict.fromkeys((family, arch.place) for family, arch in rows):
-        _row(f"{family} {place}", [arch for own, arch in rows if (own, arch.place) == (family, place)])
-    for kind in sorted({arch.true for _, arch in rows}):
-        _row(f"true {kind}", [arch for _, arch in rows if arch.true == kind])
-    print("chance of the likeliest   number  stated  right")
-    chances = np.array([max(arch.odds.values()) for _, arch in rows])
-    right = np.array([max(arch.odds, key=arch.odds.__getitem__) == arch.true for _, arch in rows])
-    for low, high in pairwise(BINS):
-        mine = (chances > low) & (chances <= high)
-        if mine.any():
-            print(f"{low:8.0%} to {high:4.0%} {mine.sum():14} {chances[mine].mean():7.1%} {right[mine].mean():6.1%}")
-    print(f"{'lengths':28} {'number':>6} {'within':>7} {'|error| m':>10} {'std m':>7}")
+    reasons = sorted({o.other for o in outcomes if o.other})
+    left_out = [f"{sum(o.other == reason for o in outcomes)} left out: {reason}" for reason in reasons]
+    title = f"what is said of arches in rooms that settled by 0 to {100 * SETTLED:g} cm"
+    arches = [(o.family, arch) for o in outcomes for arch in o.arches]
+    yield Table("arches", title, settings, ARCHES, _arches(arches), left_out)
+    chances = np.array([max(arch.odds.values()) for _, arch in arches])
+    right = np.array([max(arch.odds, key=arch.odds.__getitem__) == arch.true for _, arch in arches], np.bool_)
+    yield Table("odds", "does the chance of the likeliest hold?", settings, CURVE, binned(chances, right, BINS))
+    yield Table("lengths", "rise and springing; medians", settings, LENGTHS, _lengths(outcomes))
+
+
+def _arches(arches: list[tuple[str, Arch]]) -> Iterator[tuple[Figure, ...]]:
+    if not arches:
+        return
+    yield _row("all", [arch for _, arch in arches])
+    for family, place in dict.fromkeys((family, arch.place) for family, arch in arches):
+        yield _row(f"{family} {place}", [arch for own, arch in arches if (own, arch.place) == (family, place)])
+    for kind in sorted({arch.true for _, arch in arches}):
+        yield _row(f"true {kind}", [arch for _, arch in arches if arch.true == kind])
+
+
+def _lengths(outcomes: list[Outcome]) -> Iterator[tuple[Figure, ...]]:
     for family in ("all", *(cls.id for cls in FAMILIES)):
         for name in ("rise", "springing"):
             told = [o.lengths[name] for o in outcomes if name in o.lengths and family in ("all", o.family)]
             if told:
-                error, std = np.abs(np.array(told)).T
-                share = (error <= WITHIN * std).mean()
-                figures = f"{len(told):6} {share:7.1%} {np.median(error):10.3f} {np.median(std):7.3f}"
-                print(f"{family + ' ' + name:28} {figures}")
+                off, std = np.abs(np.array(told)).T
+                share_within = float((off <= WITHIN * std).mean())
+                yield family, name, len(told), share_within, float(np.median(off)), float(np.median(std))
 
 
 def one(seed: int) -> Outcome:
@@ -126,11 +147,11 @@ def _scanned(cls: type[Vault], rng: np.random.Generator) -> tuple[Vault, Scanner
             return vault, moved, scan(vault, moved, rng=rng)
 
 
-def _row(name: str, arches: list[Arch]) -> None:
+def _row(name: str, arches: list[Arch]) -> tuple[Figure, ...]:
     kinds = [said(arch.odds) for arch in arches]
-    first = np.mean([told[0] == arch.true for told, arch in zip(kinds, arches, strict=True)])
-    among = np.mean([arch.true in told for told, arch in zip(kinds, arches, strict=True)])
+    first = [told[0] == arch.true for told, arch in zip(kinds, arches, strict=True)]
+    among = [arch.true in told for told, arch in zip(kinds, arches, strict=True)]
     alone = [told[0] == arch.true for told, arch in zip(kinds, arches, strict=True) if len(told) == 1]
-    right = f"{np.mean(alone):11.1%}" if alone else f"{'–':>11}"
-    size = np.mean([len(told) for told in kinds])
-    print(f"{name:28} {len(arches):6} {first:9.1%} {among:10.1%} {size:5.2f} {len(alone):6} {right}")
+    size = float(np.mean([len(told) for told in kinds]))
+    shares = float(np.mean(first)), float(np.mean(among))
+    return name, len(arches), *shares, size, len(alone), float(np.mean(alone)) if alone else None

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -18,7 +18,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from numpy.typing import NDArray
 
+from bench.figures import Figure, Table, count, iou, label, number, processor, share, text
 from families import FAMILIES, Vault
 from segmentation import compare, read
 from vaultcad.errors import VaultcadError
@@ -29,7 +31,28 @@ FIRST = 1000  # seed of the first room
 DEFAULT = 100  # rooms
 WEAK = 0.9  # mean IoU below which a room is looked at
 BINS = (0.0, 0.5, 0.8, 0.95, 0.99, 1.0)  # of the confidence
-IDS = [family.id for family in FAMILIES]
+ROOM = (
+    label("seed"),
+    text("true"),
+    text("found"),
+    number("vaults"),
+    iou("IoU", 3),
+    iou("least", 3),
+    number("off", "mm", 1),
+    number("confidence", decimals=3),
+    processor("processor", decimals=1),
+    text("scene"),
+)
+SUMMARY = (
+    number("rooms"),
+    count("right", "rooms", "more"),
+    count("refused", "rooms", "less"),
+    count("a vault too many", "rooms", "less"),
+    iou("mean IoU", 3),
+    iou("where found", 3),
+    processor("processor", decimals=1),
+)
+CURVE = (label("said"), number("number"), number("stated", decimals=3), share("right", "number"))
 
 
 @dataclass(frozen=True)
@@ -64,18 +87,29 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--workers", type=int, default=1, help="processes (rooms, profiles), default 1")
 
 
-def run(chosen: argparse.Namespace) -> None:
+def run(chosen: argparse.Namespace) -> Iterator[Table]:
     """One row a room, then the summary, the confusion matrix and the curve of the confidence."""
     points = chosen.points // 4
-    print(f"\nvirtual scans of rooms, {chosen.rooms} of them, {points:,} points, seeds from {chosen.first}")
-    print("seed  true     found    vaults    IoU  least     mm  confidence     s  scene")
-    outcomes = []
-    with ProcessPoolExecutor(chosen.workers, get_context("spawn")) as pool:
-        for outcome in pool.map(partial(one, points=points, first=chosen.first), range(chosen.rooms)):
-            _show(outcome)
-            outcomes.append(outcome)
-    _summarise(outcomes)
-    _curve([o for o in outcomes if o.found])
+    settings = {"rooms": chosen.rooms, "points": points, "first seed": chosen.first}
+    outcomes: list[Outcome] = []
+
+    def rows() -> Iterator[tuple[Figure, ...]]:
+        with ProcessPoolExecutor(chosen.workers, get_context("spawn")) as pool:
+            for outcome in pool.map(partial(one, points=points, first=chosen.first), range(chosen.rooms)):
+                outcomes.append(outcome)
+                yield _told(outcome)
+
+    yield Table("rooms", "virtual scans of rooms", settings, ROOM, rows(), detail=True)
+    yield Table("summary", "virtual scans of rooms", settings, SUMMARY, [_summary(outcomes)])
+    ids = [family.id for family in FAMILIES]
+    confusion = (label("family"), *map(number, [*ids, "refused"]), iou("IoU", 3))
+    yield Table("families", "rows true, columns found", settings, confusion, _confusion(outcomes, ids))
+    found = [o for o in outcomes if o.found]
+    if found:
+        said, right = np.array([o.confidence for o in found]), np.array([o.right for o in found])
+        brier = f"Brier's score {np.mean((said - right) ** 2):.4f}; always saying the mean gives {right.var():.4f}"
+        curve = binned(said, right, BINS)
+        yield Table("confidence", "does the confidence hold?", settings, CURVE, curve, [brier])
 
 
 def one(k: int, points: int, first: int) -> Outcome:
@@ -125,39 +159,39 @@ def _scanned(true: type[Vault], points: int, rng: np.random.Generator) -> tuple[
             return scan(vault, replace(settings, points=points), rng=rng), settings
 
 
-def _show(o: Outcome) -> None:
+def _told(o: Outcome) -> tuple[Figure, ...]:
     if not o.found:
-        print(f"{o.seed}  {o.true:8} {o.refusal}; {o.scene}", flush=True)
-        return
-    numbers = f"{o.vaults:6} {o.mean_iou:6.3f} {o.least_iou:6.3f} {1000 * o.deviation:6.1f} {o.confidence:11.3f}"
+        return str(o.seed), o.true, "–", None, None, None, None, None, o.seconds, f"{o.refusal}; {o.scene}"
     mark = "" if o.right and o.mean_iou >= WEAK else "  <"
-    print(f"{o.seed}  {o.true:8} {o.found:8} {numbers} {o.seconds:5.1f}  {o.scene}{mark}", flush=True)
+    figures = o.vaults, o.mean_iou, o.least_iou, 1000 * o.deviation, o.confidence, o.seconds
+    return str(o.seed), o.true, o.found, *figures, o.scene + mark
 
 
-def _summarise(outcomes: Sequence[Outcome]) -> None:
-    """Shares, and who was taken for whom."""
+def _summary(outcomes: Sequence[Outcome]) -> tuple[Figure, ...]:
     found = [o for o in outcomes if o.found]
-    right = sum(o.right for o in outcomes)
     ious = [o.mean_iou for o in outcomes]  # none for a room that was refused
-    print(f"\nright {right} of {len(outcomes)}, refused {len(outcomes) - len(found)}, mean IoU {np.mean(ious):.3f},")
-    print(
-        f"{np.mean([o.mean_iou for o in found]):.3f} where a vault was found; {sum(o.vaults > 1 for o in found)} rooms "
-        f"with a vault too many; {np.mean([o.seconds for o in outcomes]):.1f} s of processor time a room"
+    return (
+        len(outcomes),
+        sum(o.right for o in outcomes),
+        len(outcomes) - len(found),
+        sum(o.vaults > 1 for o in found),
+        float(np.mean(ious)),
+        float(np.mean([o.mean_iou for o in found])) if found else None,
+        float(np.mean([o.seconds for o in outcomes])),
     )
-    print("rows true, columns found\n" + " " * 9 + " ".join(f"{name:>8}" for name in [*IDS, "refused", "IoU"]))
-    for name in IDS:
+
+
+def _confusion(outcomes: Sequence[Outcome], ids: Sequence[str]) -> Iterator[tuple[Figure, ...]]:
+    """Who was taken for whom."""
+    for name in ids:
         mine = [o for o in outcomes if o.true == name]
-        counts = [sum(o.found == other for o in mine) for other in [*IDS, ""]]
-        iou = np.mean([o.mean_iou for o in mine]) if mine else np.nan
-        print(f"{name:8} " + " ".join(f"{count:8}" for count in counts) + f" {iou:8.3f}")
+        counts = [sum(o.found == other for o in mine) for other in [*ids, ""]]
+        yield name, *counts, float(np.mean([o.mean_iou for o in mine])) if mine else None
 
 
-def _curve(found: Sequence[Outcome]) -> None:
-    """Reliability (Murphy and Winkler 1977) and Brier's score of the confidence."""
-    said, right = np.array([o.confidence for o in found]), np.array([o.right for o in found])
-    print("\nconfidence       rooms   said  right")
-    for low, high in pairwise(BINS):
-        mine = (said >= low) & ((said < high) | (high == BINS[-1]))
+def binned(said: NDArray[np.float64], right: NDArray[np.bool_], bins: Sequence[float]) -> Iterator[tuple[Figure, ...]]:
+    """Reliability (Murphy and Winkler 1977): how many said so much, what they said, and how many of them were right."""
+    for low, high in pairwise(bins):
+        mine = (said >= low) & ((said < high) | (high == bins[-1]))
         if mine.any():
-            print(f"{low:.2f} to {high:.2f} {mine.sum():9} {said[mine].mean():6.3f} {right[mine].mean():6.3f}")
-    print(f"Brier's score {np.mean((said - right) ** 2):.4f}; always saying the mean gives {right.var():.4f}")
+            yield f"{low:.2f} to {high:.2f}", int(mine.sum()), float(said[mine].mean()), float(right[mine].mean())

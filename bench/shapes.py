@@ -9,19 +9,31 @@ from collections.abc import Iterator
 import numpy as np
 
 from bench.clouds import IDEALS, SETTLED, Case, ideal, settled
+from bench.figures import Figure, Table, clock, iou, label, number, processor
 from segmentation import compare, detect
 
+COLUMNS = (
+    label("cloud"),
+    label("normals"),
+    number("found"),
+    number("of"),
+    iou("least IoU"),
+    iou("mean IoU"),
+    clock("clock"),
+    processor("processor"),
+)
 
-def run(chosen: argparse.Namespace) -> None:
-    """One row a cloud: components found, least and mean IoU over all seeds, seconds of wall clock and processor."""
+
+def run(chosen: argparse.Namespace) -> Iterator[Table]:
+    """One row a cloud: components found, least and mean IoU over all seeds, least times."""
     detect(ideal(IDEALS[0], 20_000).xyz)  # compiles
-    print(
-        f"\nideal and settled vaults, {chosen.points:,} points, {chosen.seeds} seeds, automatic parameters; least times"
+    yield Table(
+        "clouds",
+        "ideal and settled vaults, automatic parameters; least times",
+        {"points": chosen.points, "seeds": chosen.seeds},
+        COLUMNS,
+        (_row(case, given, chosen.seeds) for case in _cases(chosen.points) for given in (True, False)),
     )
-    print(f"{'cloud':14} {'normals':9} {'found':>6} {'least IoU':>10} {'mean IoU':>9} {'s':>6} {'cpu s':>6}")
-    for case in _cases(chosen.points):
-        for given in (True, False):
-            print(_row(case, given, chosen.seeds), flush=True)
 
 
 def _cases(points: int) -> Iterator[Case]:
@@ -32,8 +44,9 @@ def _cases(points: int) -> Iterator[Case]:
             yield settled(ideal(vault, points))
 
 
-def _row(case: Case, given: bool, seeds: int) -> str:
-    least, mean, found, seconds, cpu = [], [], set(), [], []
+def _row(case: Case, given: bool, seeds: int) -> tuple[Figure, ...]:
+    """found: of all seeds, the number that is farthest from the truth."""
+    least, mean, found, seconds, cpu = [], [], [], [], []
     for seed in range(seeds):
         start, busy = time.perf_counter(), time.process_time()
         result = detect(case.xyz, case.normals if given else None, rng=np.random.default_rng(seed))
@@ -42,9 +55,7 @@ def _row(case: Case, given: bool, seeds: int) -> str:
         judged = compare(result.labels, case.truth)
         least.append(judged.least_iou)
         mean.append(judged.mean_iou)
-        found.add(len(result.shapes))
-    count = "/".join(map(str, sorted(found))) + f" of {case.components}"
-    return (
-        f"{case.name:14} {'given' if given else 'estimated':9} {count:>6} {min(least):10.4f} {np.mean(mean):9.4f}"
-        f" {min(seconds):6.2f} {min(cpu):6.2f}"
-    )
+        found.append(len(result.shapes))
+    farthest = max(found, key=lambda n: abs(n - case.components))
+    normals, means = "given" if given else "estimated", float(np.mean(mean))
+    return case.name, normals, farthest, case.components, min(least), means, min(seconds), min(cpu)

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from math import hypot, pi, radians
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.figures import Figure, Table, error, label, number, share
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import VaultcadError
@@ -27,6 +28,15 @@ FIRST = 7000  # seed of the first scan
 POINTS = 80_000
 WITHIN = 1.96  # standard deviations of the 95 % of a normal distribution
 DEFAULT = 200  # scans
+COLUMNS = (
+    label("family"),
+    label("name"),
+    number("numbers"),
+    share("within", "numbers"),
+    error("error", "", 4),
+    error("std", "", 4),
+    number("error / std", decimals=2),
+)
 
 
 @dataclass(frozen=True)
@@ -45,23 +55,39 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scans", type=int, default=DEFAULT, help=f"virtual scans (uncertainty), default {DEFAULT}")
 
 
-def run(chosen: argparse.Namespace) -> None:
+def run(chosen: argparse.Namespace) -> Iterator[Table]:
     """How often the truth is within, by kind of number, family, and name."""
     start = time.process_time()
     numbers, left_out = measure(range(FIRST, FIRST + chosen.scans))
-    print(f"\nstated deviations against the truth, {chosen.scans} virtual scans, {POINTS:,} points, family given")
-    for reason, count in left_out.items():
-        print(f"{count:4} scans left out: {reason}")
-    print(f"{'':26} {'numbers':>7} {'within':>7} {'|error|':>9} {'std':>9} {'|error| / std':>14}")
-    _row("all", numbers)
+    notes = [f"{count} scans left out: {reason}" for reason, count in left_out.items()]
+    notes.append(f"{time.process_time() - start:.0f} s of processor time")
+    yield Table(
+        "deviations",
+        f"stated deviations against the truth, family given; within: of {WITHIN} std; the other columns are medians",
+        {"scans": chosen.scans, "points": POINTS, "first seed": FIRST},
+        COLUMNS,
+        _rows(numbers),
+        notes,
+    )
+
+
+def _rows(numbers: list[Number]) -> Iterator[tuple[Figure, ...]]:
+    yield from _row("all", "all", numbers)
     for kind in ("parameter", "derived", "pose"):
-        _row(kind, [n for n in numbers if n.kind == kind])
+        yield from _row("all", kind, [n for n in numbers if n.kind == kind])
     for family in FAMILIES:
         mine = [n for n in numbers if n.family == family.id]
-        _row(family.id, mine)
+        yield from _row(family.id, "all", mine)
         for name in dict.fromkeys(n.name for n in mine):
-            _row(f"  {name}", [n for n in mine if n.name == name])
-    print(f"{time.process_time() - start:.0f} s of processor time; within: of 1.96 std; the other columns are medians")
+            yield from _row(family.id, name, [n for n in mine if n.name == name])
+
+
+def _row(family: str, name: str, numbers: list[Number]) -> Iterator[tuple[Figure, ...]]:
+    """None where there are no numbers."""
+    if numbers:
+        off, std = np.abs([n.error for n in numbers]), np.array([n.std for n in numbers])
+        middle = (float(np.median(column)) for column in (off, std, off / std))
+        yield family, name, len(numbers), float(within(numbers).mean()), *middle
 
 
 def measure(seeds: Iterable[int]) -> tuple[list[Number], dict[str, int]]:
@@ -118,11 +144,3 @@ def compared(fitted: FittedVault, true: dict[str, float]) -> list[Number]:
 def within(numbers: Iterable[Number]) -> NDArray[np.bool_]:
     """Whether the truth lies within the stated 95 % of each."""
     return np.array([abs(n.error) <= WITHIN * n.std for n in numbers], np.bool_)
-
-
-def _row(name: str, numbers: list[Number]) -> None:
-    if numbers:
-        error, std = np.abs([n.error for n in numbers]), np.array([n.std for n in numbers])
-        middle = np.median(error), np.median(std), np.median(error / std)
-        share = f"{within(numbers).mean():7.1%}"
-        print(f"{name:26} {len(numbers):7} {share} {middle[0]:9.4f} {middle[1]:9.4f} {middle[2]:14.2f}")

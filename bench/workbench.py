@@ -11,11 +11,13 @@ import itertools
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from bench.figures import Figure, Table, clock, label
 from families import FAMILIES, Vault
 from vaultcad.scanner.draw import draw
 from vaultcad.workbench.install import ADD_ON
@@ -24,31 +26,41 @@ EDITS, DRAWN = 12, 40
 LIMIT = 150  # ms that a rebuild may take
 THICKNESS = 0.15  # m
 SEED = 6999
+BODIES = {"intrados": 0.0, "solid": THICKNESS}
+COLUMNS = (
+    label("vaults"),
+    label("family"),
+    label("body"),
+    clock("median", "ms", 0),
+    clock("95 %", "ms", 0),
+    clock("most", "ms", 0),
+)
 
 
-def run(chosen: argparse.Namespace) -> None:
+def run(chosen: argparse.Namespace) -> Iterator[Table]:
     """A row for each family and kind of vaults: median, 95th percentile and slowest rebuild of intrados and solid."""
     worker = _client().Worker(sys.executable)
     start = time.perf_counter()
     worker.ask("ping")
-    print(f"\nrebuilds in FreeCAD, ms; the worker starts in {time.perf_counter() - start:.1f} s")
-    columns = f"{'median':>7} {'95 %':>5} {'most':>5}"
-    print(f"{'vault':8} {'intrados':>23} {'solid':>23}\n{'':8} {columns:>23} {columns:>23}   (at most {LIMIT})")
+    started = f"the worker starts in {time.perf_counter() - start:.1f} s; at most {LIMIT} ms are wanted"
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "shape.brep"
-        for title, vaults in ((f"{EDITS} edits", _edits), (f"{DRAWN} vaults drawn", _drawn)):
-            print(title)
-            for cls in FAMILIES:
-                rows = [
-                    [1000 * _rebuild(worker, vault, thickness, path) for vault in vaults(cls)]
-                    for thickness in (0.0, THICKNESS)
-                ]
-                print(f"{cls.id:8} {' '.join(_told(row[1:]) for row in rows)}", flush=True)
+        yield Table(
+            "rebuilds",
+            "rebuilds in FreeCAD, from the request to the file that it reads",
+            {"edits": EDITS, "drawn": DRAWN, "first seed": SEED},
+            COLUMNS,
+            _rows(worker, Path(folder) / "shape.brep"),
+            [started],
+        )
     worker.stop()
 
 
-def _told(taken: list[float]) -> str:
-    return f"{np.median(taken):9.0f} {np.percentile(taken, 95):7.0f} {max(taken):5.0f}"
+def _rows(worker: Any, path: Path) -> Iterator[tuple[Figure, ...]]:
+    for title, vaults in (("edited", _edits), ("drawn", _drawn)):
+        for cls in FAMILIES:
+            for body, thickness in BODIES.items():
+                times = [1000 * _rebuild(worker, vault, thickness, path) for vault in vaults(cls)][1:]
+                yield title, cls.id, body, float(np.median(times)), float(np.percentile(times, 95)), max(times)
 
 
 def _rebuild(worker: Any, vault: Vault, thickness: float, path: Path) -> float:

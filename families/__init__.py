@@ -1,6 +1,6 @@
 """Ideal masonry vaults: parameters, numeric surfaces, B-Rep and sampling. Knows no scan."""
 
-from families.catalogue import FAMILIES, family, ideal, profile
+from families.catalogue import FAMILIES, family, ideal, profile, register
 from families.declaration.parameters import Parameter, Range
 from families.declaration.profiles import (
     PROFILES,
@@ -45,4 +45,5 @@ __all__ = [
     "family",
     "ideal",
     "profile",
+    "register",
 ]

@@ -8,7 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 from families.declaration.corners import Skew
-from families.declaration.lengths import RATIOS, with_lengths
+from families.declaration.facts import check_facts
+from families.declaration.lengths import with_lengths
 from families.declaration.profiles import PROFILES, Profile
 from families.declaration.vault import SCHEMA, Vault
 from families.kinds.barrel import Barrel
@@ -20,7 +21,23 @@ from families.kinds.sail import Sail
 from families.kinds.trough import Trough
 
 SKEWS = tuple(Skew().values())
-FAMILIES: tuple[type[Vault], ...] = (Sail, Barrel, Lunette, Trough, Mirror, Groin, Dome)
+FAMILIES: list[type[Vault]] = []
+"""All families, in the order in which they are listed and tried; read it when it is needed, for it may grow."""
+
+
+def register(cls: type[Vault]) -> type[Vault]:
+    """Make a family known by its names everywhere; `FAMILIES.remove` makes it unknown again.
+
+    Raises:
+        ValueError: what it says names what there is not, or another family has one of its names.
+    """
+    check_facts(cls)
+    taken = {_plain(name): other for other in FAMILIES for name in _names(other)}
+    for name in _names(cls):
+        if (other := taken.get(_plain(name))) is not None:
+            raise ValueError(f"family {cls.__name__}: {name!r} is a name of {other.__name__} already")
+    FAMILIES.append(cls)
+    return cls
 
 
 def family(name: str) -> type[Vault]:
@@ -28,10 +45,12 @@ def family(name: str) -> type[Vault]:
 
     Raises:
         ValueError: no such family; names the ids.
+
+    >>> family("crociera").id
+    'groin'
     """
     for cls in FAMILIES:
-        names = (cls.id, cls.title, *(alias for group in cls.aliases.values() for alias in group))
-        if _plain(name) in map(_plain, names):
+        if _plain(name) in map(_plain, _names(cls)):
             return cls
     raise ValueError(f"no vault family is called {name!r}; there are {', '.join(c.id for c in FAMILIES)}")
 
@@ -41,6 +60,9 @@ def profile(name: str) -> type[Profile]:
 
     Raises:
         ValueError: no such profile; names the ids.
+
+    >>> profile("Spitzbogen").id
+    'pointed'
     """
     for cls in PROFILES:
         if _plain(name) in map(_plain, (cls.id, *cls.aliases)):
@@ -49,18 +71,22 @@ def profile(name: str) -> type[Profile]:
 
 
 def ideal(name: str, /, **parameters: Any) -> Vault:
-    """The vault of a family's name and parameters: `ideal("crociera", span_x=6, profile_x="pointed", rise_y=2)`.
+    """The vault of a family's name and parameters.
 
     Profiles go by their names in any language or are given as they are, numbers by their flat names [m, rad or 1];
     lengths that follow from ratios may stand for these (`rise_y`: see `families.declaration.lengths`).
 
     Raises:
         ValueError: an unknown name, or a value that cannot be.
+
+    >>> vault = ideal("crociera", span_x=6, profile_x="pointed", rise_x=4)
+    >>> vault.id, vault.kinds, round(vault.rise, 6)
+    ('groin', {'profile_x': 'pointed', 'profile_y': 'semicircular'}, 4.0)
     """
     vault = family(name)()
     kinds = list(vault.profiles)
     arches = {kind: _arch(kind, parameters.pop(kind)) for kind in kinds if kind in parameters}
-    vault, ratios = vault.with_arches(arches), RATIOS[vault.id]
+    vault, ratios = vault.with_arches(arches), vault.ratios
     known = [*kinds, *vault.values(), *ratios]
     for key, value in parameters.items():
         if key not in known:
@@ -115,6 +141,14 @@ def _arch(field: str, kind: object) -> Profile:
     raise ValueError(f"{field} = {kind!r} is no profile; there are {', '.join(c.id for c in PROFILES)}")
 
 
+def _names(cls: type[Vault]) -> tuple[str, ...]:
+    return (cls.id, cls.title, *(alias for group in cls.aliases.values() for alias in group))
+
+
 def _plain(name: str) -> str:
     bare = unicodedata.normalize("NFKD", name.casefold())
     return "".join(c for c in bare if c.isalnum())
+
+
+for _kind in (Sail, Barrel, Lunette, Trough, Mirror, Groin, Dome):
+    register(_kind)

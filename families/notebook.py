@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from html import escape
 from importlib.util import find_spec
-from itertools import groupby
 from math import degrees
 from typing import Any
 
@@ -20,6 +19,8 @@ from numpy.typing import NDArray
 from families.declaration.palette import colour
 from families.declaration.parameters import derived_declarations
 from families.declaration.vault import IDENTITY, Vault
+from families.drawing.section import PLANES, section
+from families.drawing.svg import svg
 from families.solid.mesh import Mesh, mesh
 
 Floats = NDArray[np.float64]
@@ -27,14 +28,9 @@ Row = tuple[str, str, str]  # name, value, meaning
 Trace = dict[str, Any]
 
 HTML, PLOTLY = "text/html", "application/vnd.plotly.v1+json"
-SECTION_WIDTH, AROUND = 320.0, 24.0  # of a section, in pixels, and what is left free around it
-BESIDE = 0.6  # of the way to the wall: where the second line of a section is
-SLICE, SLICE_POINTS = 0.03, 1500  # [m] to either side of a section from which points are shown; so many
-SECTION_STEPS, HALVINGS = 241, 40  # an odd number, so that one of them is at the crown
-INSIDE = 1 - 1e-9
+SECTION_WIDTH = 360.0  # of the wider section, in pixels
 TOLERANCE = 0.01  # [m] between the triangles of the view and the surface
 DECIMALS = 4  # of a metre in the view
-WALL_COLOUR = "#888888"
 CAMERA = {"eye": {"x": 1.3, "y": -1.5, "z": 0.6}}
 
 
@@ -86,67 +82,9 @@ def table(rows: Iterable[Sequence[str]]) -> str:
 
 def sections(vault: Vault, points: Floats | None = None) -> str:
     """Both sections through the middle as SVG, at one scale; the points (n, 3) [m] in the vault's frame near them."""
-    scale = (SECTION_WIDTH - 2 * AROUND) / (2 * max(vault.plan.half_x, vault.plan.half_y))
-    return "".join(_section(vault, across, scale, points) for across in (0, 1))
-
-
-def _section(vault: Vault, across: int, scale: float, points: Floats | None) -> str:
-    """The cut at the crown in the components' colours, and in grey the one nearer to a wall."""
-    halves, rise = (vault.plan.half_x, vault.plan.half_y), vault.derived_values()["rise"]
-    half, wall = halves[across], halves[1 - across]
-    wide, tall = 2 * (scale * half + AROUND), scale * rise + 2.5 * AROUND
-
-    def xy(row: Floats) -> str:
-        return " ".join(f"{wide / 2 + scale * u:.1f},{tall - 1.5 * AROUND - scale * z:.1f}" for u, z in row)
-
-    beside, _ = outline(vault, across, BESIDE * wall)
-    drawn = [f'<polyline points="{xy(beside)}" stroke="{WALL_COLOUR}"/>']
-    line, component = outline(vault, across, 0.0)
-    for k, run in groupby(range(len(component)), key=lambda i: int(component[i])):
-        stretch = list(run)
-        row, shade = xy(line[stretch[0] : stretch[-1] + 2]), colour(k).hex if k else WALL_COLOUR
-        name = vault.components[k - 1] if k else "wall"
-        drawn.append(f'<polyline points="{row}" stroke="{shade}" stroke-width="3"><title>{name}</title></polyline>')
-    dots = "" if points is None else "".join(f"M{xy(p[None])}h0" for p in _near(points, across, half, rise))
-    level = xy(np.array([[-half, 0.0], [half, 0.0]]))
-    return (
-        f'<svg width="{wide:.0f}" height="{tall:.0f}" viewBox="0 0 {wide:.0f} {tall:.0f}" fill="none" role="img">'
-        f'{"".join(drawn)}<path d="{dots}" stroke="currentColor" stroke-width="1.5" stroke-linecap="round"/>'
-        f'<polyline points="{level}" stroke="{WALL_COLOUR}" stroke-dasharray="6 4"/>'
-        f'<text x="{wide / 2:.0f}" y="{tall - 0.4 * AROUND:.1f}" text-anchor="middle" font-size="12" '
-        f'fill="currentColor">{2 * half:.2f} m across {"xy"[across]}, rise {rise:.2f} m</text></svg>'
-    )
-
-
-def _near(points: Floats, across: int, half: float, rise: float) -> Floats:
-    """Some of the points within a slice about a section, as (m, 2)."""
-    u, v, z = points[:, across], points[:, 1 - across], points[:, 2]
-    near = points[(np.abs(u) < 1.02 * half) & (np.abs(v) < SLICE) & (z > 0) & (z < 1.05 * rise)][:, [across, 2]]
-    return near[:: max(1, -(-len(near) // SLICE_POINTS))]
-
-
-def outline(vault: Vault, across: int, at: float) -> tuple[Floats, NDArray[np.uint16]]:
-    """The room's outline where the other coordinate is `at` [m], from springing to springing.
-
-    (n, 2) [m], and the component of each stretch between, 0 on a wall. The highest point over each place is found by
-    halving on the numeric surface.
-    """
-    half = (vault.plan.half_x, vault.plan.half_y)[across]
-
-    def placed(u: Floats, z: Floats) -> Floats:
-        points = np.full((len(u), 3), at)
-        points[:, across], points[:, 2] = u, z
-        return points
-
-    u = half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, SECTION_STEPS))  # closer where arches are steep
-    low, high = np.zeros(SECTION_STEPS), np.full(SECTION_STEPS, vault.derived_values()["rise"] + 1.0)
-    for _ in range(HALVINGS):
-        z = (low + high) / 2
-        room = vault.distance(placed(u * INSIDE, z)) < 0
-        low, high = np.where(room, z, low), np.where(room, high, z)
-    line = np.concatenate([[[-half, 0.0]], np.column_stack([u, low]), [[half, 0.0]]])
-    middle = (line[:-1] + line[1:]) / 2
-    return line, vault.evaluate(placed(middle[:, 0], middle[:, 1]), walls=True).component
+    drawings = [section(vault, plane, points) for plane in PLANES]
+    scale = SECTION_WIDTH / max(drawing.size[0] for drawing in drawings)
+    return "".join(svg(drawing, scale) for drawing in drawings)
 
 
 @lru_cache(maxsize=8)

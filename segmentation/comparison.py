@@ -80,6 +80,10 @@ def compare(labels: ArrayLike, truth: ArrayLike) -> Comparison:
 
     Raises:
         ValueError: the two differ in length, or hold something other than whole numbers from 0.
+
+    >>> judged = compare([7, 7, 7, 2, 2, 0], [1, 1, 1, 1, 2, 2])
+    >>> [(match.truth, match.found, round(match.iou, 3)) for match in judged.matches]
+    [(1, 7, 0.75), (2, 2, 0.333)]
     """
     found_label, found = _numbered(labels, "labels")
     truth_label, reference = _numbered(truth, "truth")

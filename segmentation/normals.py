@@ -23,6 +23,10 @@ def estimate(xyz: Floats, neighbours: int = 20, *, at: NDArray[np.int64] | None 
     at: (k,) indices of the points to take normals at, whose (k, 3) they are then; all points must be finite.
     Raises ValueError if neighbours is below 3.
     Source: Hoppe et al., Surface reconstruction from unorganized points, 1992; neighbours by small_gicp's k-d tree.
+
+    >>> level = np.random.default_rng(1).uniform(0, 1, (100, 3)) * [1, 1, 0]
+    >>> np.abs(estimate(level)).mean(axis=0).round(3).tolist()
+    [0.0, 0.0, 1.0]
     """
     import small_gicp
 

@@ -57,6 +57,10 @@ def thin(xyz: Floats, size: float, *, inverse: bool = False) -> Thinned:
     Cells lie at whole multiples of `size`, so that a crop of a cloud falls into the same cells. The result is the same
     to the byte for the same input on any machine. Takes about 80 bytes a cell, and 4 a point for the inverse.
     Raises ValueError if size is not positive or the cloud is over 2 million cells long.
+
+    >>> thinned = thin(np.array([[0.1, 0.1, 0.1], [0.3, 0.1, 0.1], [1.5, 0.5, 0.5]]), 1.0)
+    >>> thinned.xyz.round(3).tolist(), thinned.count.tolist()
+    ([[0.2, 0.1, 0.1], [1.5, 0.5, 0.5]], [2, 1])
     """
     if not (np.isfinite(size) and size > 0):
         raise ValueError(f"size = {size:g} m is not positive: give the edge of a cell")

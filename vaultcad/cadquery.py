@@ -36,6 +36,10 @@ def vault(family: str | Vault, *, thickness: float | None = None, unit: Unit = "
 
     Raises:
         ValueError: an unknown name, a value that cannot be, or a vault that OpenCASCADE cannot build.
+
+    >>> room = vault("mirror", span_x=5, span_y=7, rise=0.6)
+    >>> round(room.val().BoundingBox().ylen), round(room.faces(tag="plane").val().Center().z)
+    (7000, 600)
     """
     return on_workplane(cq.Workplane(), family, thickness=thickness, unit=unit, **parameters)
 

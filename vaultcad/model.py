@@ -1,4 +1,4 @@
-"""The result of a fit, as plain values: what every exporter and the report read."""
+"""Vaults where they stand, and the result of a fit, as plain values: what every exporter and the report read."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
+from families.declaration.parameters import derived_declarations
 from segmentation.crs import Crs
 from segmentation.notes import Note
 
@@ -172,11 +173,34 @@ def said(odds: Mapping[str, float]) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class FittedVault:
-    """One vault of the scan: family with its parameters, pose, how sure, and how far the stone is from it."""
+class PlacedVault:
+    """A vault where it stands, as exporters take it, whether it was fitted to a scan or drawn."""
 
     vault: Vault
     pose: Pose
+    thickness: float | None = field(default=None, kw_only=True)  # m, of its masonry; None for that of all
+    label: str = field(default="", kw_only=True)  # what a user calls it
+    solid: bool = field(default=True, kw_only=True)  # whether its body can be built
+
+    @property
+    def arches(self) -> dict[str, str]:
+        """The kind of each arch, in words."""
+        return self.vault.kinds
+
+    def numbers(self) -> Mapping[str, Estimate]:
+        """Its parameters, then the sizes that follow."""
+        values, lengths = self.vault.values(), derived_declarations(type(self.vault))
+        found = {p.name: Estimate(values[p.name], p.range.unit, None, p.range.meaning) for p in self.vault.parameters()}
+        return found | {
+            name: Estimate(value, lengths[name].unit, None, lengths[name].meaning, derived=True)
+            for name, value in self.vault.derived_values().items()
+        }
+
+
+@dataclass(frozen=True)
+class FittedVault(PlacedVault):
+    """One vault of the scan: family with its parameters, pose, how sure, and how far the stone is from it."""
+
     confidence: float
     alternatives: tuple[tuple[str, float], ...]  # family ids and scores, best first
     parameters: Mapping[str, Estimate]
@@ -187,9 +211,6 @@ class FittedVault:
     as_built: Deviation | None = None
     covariance: Covariance | None = None
     tolerance: float = 0.03  # m, half of the band that its points lie in
-    thickness: float | None = None  # m, of its masonry; None for that of the model
-    label: str = ""  # what a user calls it
-    solid: bool = True  # whether its body can be built
     odds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # of each arch: kind -> chance
     rivals: tuple[Rival, ...] = ()  # how it may have been built; this one first, then the likeliest
 
@@ -199,6 +220,10 @@ class FittedVault:
         kinds = self.vault.kinds.items()
         return {name: " or ".join(said(self.odds.get(name, {kind: 1.0}))) for name, kind in kinds}
 
+    def numbers(self) -> Mapping[str, Estimate]:
+        """As they were fitted."""
+        return self.parameters
+
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, Any]:
         """What a notebook shows."""
         from vaultcad import notebook
@@ -206,32 +231,52 @@ class FittedVault:
         return notebook.of_fitted(self)
 
 
-@dataclass(frozen=True)
-class Model:
-    """All that one run says of one scan. Geometry is local to `origin` [m]; `thickness` is that of the solids [m]."""
+@dataclass(frozen=True, kw_only=True)
+class Assembly:
+    """Vaults in one place, as exporters take them: drawn, or of a `Model`, which has the scan that they are of.
 
-    scan: Path
-    points: int
-    bounds: NDArray[np.float64]  # (2, 3) in the scan's own coordinates
+    Geometry is local to `origin` [m]; `thickness` is that of the solids [m].
+    """
+
+    scan: Path  # of what they are, which gives files their names: a scan, or a document by its name
     origin: NDArray[np.float64]  # (3,)
-    vaults: tuple[FittedVault, ...]
+    vaults: tuple[PlacedVault, ...]
     thickness: float = 0.15
-    settings: Mapping[str, Any] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
-    seconds: Mapping[str, float] = field(default_factory=dict)  # stage -> time; in no file, as it is never the same
     unit: float = 1.0  # m, of x and y in the scan
     crs: Crs | None = None  # that the scan declares
     notes: tuple[Note, ...] = ()  # what was assumed, left out or changed
 
-    def thickness_of(self, fitted: FittedVault) -> float:
+    def thickness_of(self, placed: PlacedVault) -> float:
         """Of the masonry of one of its vaults [m]."""
-        return self.thickness if fitted.thickness is None else fitted.thickness
+        return self.thickness if placed.thickness is None else placed.thickness
+
+    @property
+    def identity(self) -> str:
+        """By which it is known again: what ids in files follow from."""
+        return self.scan.name
 
     @property
     def place(self) -> str:
         """In words to what the geometry is relative: "origin 500000 4700000 0 m, EPSG:32633"."""
         origin = " ".join(f"{float(v):.10g}" for v in self.origin)
         return f"origin {origin} m" + ("" if self.crs is None else f", {self.crs.title}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Model(Assembly):
+    """All that one run says of one scan."""
+
+    vaults: tuple[FittedVault, ...]
+    points: int
+    bounds: NDArray[np.float64]  # (2, 3) in the scan's own coordinates
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    seconds: Mapping[str, float] = field(default_factory=dict)  # stage -> time; in no file, as it is never the same
+
+    @property
+    def identity(self) -> str:
+        """The scan, by its name and its points."""
+        return f"{self.scan.name}/{self.points}/{self.bounds.round(3).tolist()}"
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, Any]:
         """What a notebook shows."""

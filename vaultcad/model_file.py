@@ -16,11 +16,20 @@ from families import Vault
 from segmentation.crs import Crs
 from segmentation.notes import Note
 from vaultcad.errors import ModelFileError
-from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedVault, Model, Pose, Rival
+from vaultcad.model import (
+    Component,
+    Covariance,
+    Deviation,
+    Estimate,
+    FittedVault,
+    Model,
+    PlacedVault,
+    Pose,
+    Rival,
+)
 
 SCHEMA = 1
 ABOUT = "a model of vaultcad; after an edit of parameters, poses or thickness `vaultcad export` writes it again"
-UNMEASURED = Deviation(nan, nan, nan, nan, {}, "")
 SAME = 1e-9  # m, rad or 1; what an edited number is at least off the fitted one
 THICKEST = 5.0  # m
 
@@ -84,18 +93,29 @@ def plain_vault(fitted: FittedVault) -> dict[str, Any]:
     return told
 
 
-def fitted_vault(told: Mapping[str, Any]) -> FittedVault:
-    """The vault that `plain_vault` tells of; without estimates one that was never fitted: it has no components, and a
-    deviation that holds nothing.
+def placed_vault(told: Mapping[str, Any]) -> PlacedVault:
+    """The vault that a table tells of: a fitted one, or without estimates one that was never fitted.
 
     Raises:
         ValueError: an unknown name, or a value of another kind or outside its range.
         KeyError: it has no pose.
+        TypeError: something that was found is missing.
+    """
+    if "estimates" in told:
+        return fitted_vault(told)
+    own = {name: DECODERS[name](told[name]) for name in OWN if name in told}
+    return PlacedVault(Vault.from_plain(told), _pose(told["pose"]), **own)
+
+
+def fitted_vault(told: Mapping[str, Any]) -> FittedVault:
+    """The vault that `plain_vault` tells of.
+
+    Raises:
+        ValueError: an unknown name, or a value of another kind or outside its range.
+        KeyError: it has no pose, or no estimates.
         TypeError: something else that was found is missing.
     """
     vault, pose = Vault.from_plain(told), _pose(told["pose"])
-    if "estimates" not in told:
-        return FittedVault(vault, pose, 1.0, (), own_estimates(vault), (), UNMEASURED, 0.0)
     read = {name: decode(told[name]) for name, decode in DECODERS.items() if name in told}
     return FittedVault(vault=vault, pose=pose, parameters=_estimates(vault, told["estimates"]), **read)
 
@@ -105,13 +125,6 @@ def is_edited(told: Mapping[str, Any]) -> bool:
     values = Vault.from_plain(told).values()
     estimates = told.get("estimates", {})
     return any(name in estimates and abs(estimates[name]["value"] - v) > SAME for name, v in values.items())
-
-
-def own_estimates(vault: Vault) -> dict[str, Estimate]:
-    """The numbers of a vault that was not fitted, and the sizes that follow."""
-    values = vault.values()
-    found = {p.name: Estimate(values[p.name], p.range.unit, None, p.range.meaning) for p in vault.parameters()}
-    return found | {name: Estimate(v, "m", None, derived=True) for name, v in vault.derived_values().items()}
 
 
 def finite(value: Any) -> Any:
@@ -174,13 +187,13 @@ def _pose(told: Mapping[str, Any]) -> Pose:
 
 def _estimates(vault: Vault, told: Mapping[str, Any]) -> dict[str, Estimate]:
     """Those of the fit; where a number was edited since, the new one, of which no deviation is known."""
-    own = own_estimates(vault)
+    own = {**vault.values(), **vault.derived_values()}
     found: dict[str, Estimate] = {}
     for name, plain in told.items():
         fields: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in plain.items()}
         estimate = Estimate(**fields)
-        if name in own and abs(own[name].value - estimate.value) > SAME:
-            estimate = replace(estimate, value=own[name].value, std=None, flags=())
+        if name in own and abs(own[name] - estimate.value) > SAME:
+            estimate = replace(estimate, value=own[name], std=None, flags=())
         found[name] = estimate
     return found
 
@@ -190,6 +203,13 @@ def _deviation(told: Mapping[str, Any] | None) -> Deviation | None:
         return None
     numbers = {name: nan if told[name] is None else told[name] for name in ("mean", "rms", "p95", "max")}
     return Deviation(**numbers, within={float(k): v for k, v in told["within"].items()}, loa=told["loa"])
+
+
+def _measured(told: Mapping[str, Any] | None) -> Deviation:
+    deviation = _deviation(told)
+    if deviation is None:
+        raise ValueError("deviation = None is no measure; a vault that was fitted has one")
+    return deviation
 
 
 def _covariance(told: Mapping[str, Any] | None) -> Covariance | None:
@@ -204,7 +224,7 @@ DECODERS: dict[str, Callable[[Any], Any]] = {
     "confidence": float,
     "alternatives": lambda told: tuple((name, score) for name, score in told),
     "components": lambda told: tuple(map(_component, told)),
-    "deviation": lambda told: _deviation(told) or UNMEASURED,
+    "deviation": _measured,
     "coverage": float,
     "converged": bool,
     "as_built": _deviation,
@@ -217,3 +237,5 @@ DECODERS: dict[str, Callable[[Any], Any]] = {
     "rivals": lambda told: tuple(Rival(**{**one, "constraints": tuple(one["constraints"])}) for one in told),
 }
 """How what a fit found is read, by its names."""
+OWN = ("thickness", "label", "solid")
+"""What is known of those that were never fitted, too."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from families.drawing.deviation_colours import ROOM, STONE, STOPS, limit_of
 from families.notebook import Trace, mime_bundle, sections, surfaces, table, titled
 from vaultcad.export.report_json import in_shown_unit
 from vaultcad.model import Estimate, FittedVault, Model
@@ -22,10 +23,8 @@ Floats = NDArray[np.float64]
 Row = tuple[str, str, str, str]  # name, value, standard deviation, meaning
 
 VIEW_POINTS = 6000  # points in the 3D view
-# Red into the room, blue into the stone, as in the review. By its name plotly draws this scale one way round in Python
-# and the other way round in a browser.
-COLOURS = [[0.0, "#b2182b"], [0.25, "#f4a582"], [0.5, "#f7f7f7"], [0.75, "#92c5de"], [1.0, "#2166ac"]]
-REACH = 0.98  # share of the points within the ends of their colours
+# By its name plotly draws a scale one way round in Python and the other way round in a browser.
+COLOURS = [[(1 + share) / 2, colour.hex] for share, colour in STOPS]
 
 
 def of_fitted(fitted: FittedVault) -> dict[str, Any]:
@@ -60,7 +59,7 @@ def _deviations(result: Result) -> Trace:
     on = np.flatnonzero((result.component > 0) & np.isfinite(result.deviation))
     on = on[:: max(1, -(-len(on) // VIEW_POINTS))]
     points, d = result.points[on], 1000 * result.deviation[on]
-    reach = float(np.quantile(np.abs(d), REACH)) if len(d) else 1.0
+    reach = 1000 * limit_of(result.deviation[on])
     return {
         "type": "scatter3d",
         "mode": "markers",
@@ -74,7 +73,7 @@ def _deviations(result: Result) -> Trace:
             "colorscale": COLOURS,
             "cmin": -reach,
             "cmax": reach,
-            "colorbar": {"title": {"text": "mm"}, "x": 0.54, "len": 0.6, "thickness": 12},
+            "colorbar": {"title": {"text": f"mm<br>+ {STONE}<br>− {ROOM}"}, "x": 0.54, "len": 0.6, "thickness": 12},
         },
     } | {axis: points[:, c].round(3).tolist() for c, axis in enumerate("xyz")}
 

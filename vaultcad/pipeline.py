@@ -48,7 +48,7 @@ AS_BUILT = 20_000  # points of the as-built surface; half of them make it, the o
 class FitSettings:
     """What a user may ask of a fit."""
 
-    families: tuple[type[Vault], ...] = FAMILIES
+    families: tuple[type[Vault], ...] = field(default_factory=lambda: tuple(FAMILIES))
     seed: int = 0
     thickness: float = 0.15  # m, of the solid
     fix: Mapping[str, float | str] = field(default_factory=dict)  # sizes and place [m, rad, 1], kinds of arches
@@ -77,13 +77,19 @@ class Result:
 
 
 @one_thread
-def fit_scan(cloud: Cloud, settings: FitSettings = FitSettings(), *, progress: Progress = lambda stage: None) -> Result:
+def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Progress = lambda stage: None) -> Result:
     """Find, recognise, fit and measure the vaults in a scan.
 
     Raises:
         NoVaultError: the scan is too small, or no family explains what stands above its floor.
         ValueError: `fix` or `free` name what there is not; says what there is.
+
+    >>> from segmentation import read
+    >>> fitted = fit_scan(read("examples/room.laz")).model.vaults[0]
+    >>> fitted.vault.id, round(fitted.parameters["span_x"].value, 2), fitted.deviation.loa
+    ('groin', 4.61, 'LOA20')
     """
+    settings = settings or FitSettings()
     families, demands = demand(settings.families, settings.fix, settings.free, cloud.origin.tolist())
     seconds: dict[str, float] = {}
     rng = np.random.default_rng(settings.seed)

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from bench.clouds import IDEALS, SETTLED, SETTLED_NAME, Case, ideal, settled
+from bench.figures import Figure, Table, clock, iou, label, memory, number, processor
 from bench.peers.job import ANSWER, CLOUD, LABELS, MISSING, Job, write_points
 from segmentation import PRESETS, compare
 
@@ -39,6 +40,19 @@ class Run:
     mean_iou: float
 
 
+COLUMNS = (
+    label("cloud"),
+    label("engine", 32),
+    clock("clock"),
+    number("ratio", decimals=1),
+    processor("processor"),
+    number("its ratio", decimals=1),
+    memory("memory"),
+    number("found"),
+    number("of"),
+    iou("least IoU", 3),
+    iou("most", 3),
+)
 OURS = Engine("vaultcad", "ours", automatic=True)
 ENGINES = {
     "ours": OURS,
@@ -57,18 +71,26 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--peer-python", default=sys.executable, help="interpreter that has cgal and pyransac3d")
 
 
-def run(chosen: argparse.Namespace) -> None:
-    """A block for each cloud: time and its ratio to ours, memory, components found, mean IoU over the rounds."""
+def run(chosen: argparse.Namespace) -> Iterator[Table]:
+    """A row for each cloud and engine: times and their ratios to ours, memory, components found, mean IoU."""
     names = ["ours", *filter(None, chosen.peers.split(","))]
     unknown = [name for name in names if name not in ENGINES]
     if unknown:
         sys.exit(f"no engine {', '.join(unknown)}; there are {', '.join(ENGINES)}")
-    engines = {name: ENGINES[name] for name in names}
-    print(f"\npeers: {chosen.points:,} points, normals given, {chosen.rounds} rounds; the paper's parameters;")
-    print("least seconds from the cloud in memory to the shapes, by clock and processor; memory of the whole process")
-    times = f"{'s':>7} {'ratio':>6} {'cpu s':>7} {'ratio':>6}"
-    print(f"{'cloud':14} {'engine':32} {times} {'MiB':>6} {'found':>8} {'mean IoU':>15}")
-    missing: dict[str, str] = {}
+    notes: list[str] = []
+    yield Table(
+        "engines",
+        "from the cloud in memory to the shapes, normals given, the paper's parameters; least times, ratios to ours, "
+        "memory of the whole process",
+        {"points": chosen.points, "rounds": chosen.rounds},
+        COLUMNS,
+        _rows(chosen, {name: ENGINES[name] for name in names}, notes),
+        notes,
+    )
+
+
+def _rows(chosen: argparse.Namespace, engines: dict[str, Engine], notes: list[str]) -> Iterator[tuple[Figure, ...]]:
+    missing: set[str] = set()
     for case in _cases(chosen):
         runs: dict[str, list[Run]] = {name: [] for name in engines}
         with tempfile.TemporaryDirectory() as folder:
@@ -77,12 +99,12 @@ def run(chosen: argparse.Namespace) -> None:
                 for name in [name for name in engines if name not in missing]:
                     answer = _once(engines[name], case, folder, chosen.peer_python)
                     if isinstance(answer, str):
-                        missing[name] = answer
-                        print(f"{engines[name].name} left out: {answer}")
+                        missing.add(name)
+                        notes.append(f"{engines[name].name} left out: {answer}")
                     else:
                         runs[name].append(answer)
         for name in [name for name in engines if runs[name]]:
-            print(_row(case, engines[name], runs[name], runs["ours"]), flush=True)
+            yield _row(case, engines[name], runs[name], runs["ours"])
 
 
 def _cases(chosen: argparse.Namespace) -> Iterator[Case]:
@@ -131,12 +153,11 @@ def _job(case: Case, folder: str, automatic: bool) -> Job:
     )
 
 
-def _row(case: Case, engine: Engine, runs: list[Run], ours: list[Run]) -> str:
+def _row(case: Case, engine: Engine, runs: list[Run], ours: list[Run]) -> tuple[Figure, ...]:
+    """found: of all rounds, the number that is farthest from the truth."""
     seconds, base = min(r.seconds for r in runs), min(r.seconds for r in ours)
     cpu, base_cpu = min(r.cpu for r in runs), min(r.cpu for r in ours)
-    found = "/".join(map(str, sorted({r.found for r in runs}))) + f" of {case.components}"
-    least, most = min(r.mean_iou for r in runs), max(r.mean_iou for r in runs)
-    iou = f"{least:.3f}" if most - least < 5e-4 else f"{least:.3f} to {most:.3f}"
-    times = f"{seconds:7.2f} {seconds / base:6.1f} {cpu:7.2f} {cpu / base_cpu:6.1f}"
-    peak = max(r.peak for r in runs) / 2**20
-    return f"{case.name:14} {engine.name:32} {times} {peak:6.0f} {found:>8} {iou:>15}"
+    found = max((r.found for r in runs), key=lambda n: abs(n - case.components))
+    peak, ious = max(r.peak for r in runs) / 2**20, [r.mean_iou for r in runs]
+    times = seconds, seconds / base, cpu, cpu / base_cpu
+    return case.name, engine.name, *times, peak, found, case.components, min(ious), max(ious)

@@ -6,29 +6,6 @@ from collections.abc import Callable, Mapping
 
 from families.declaration.vault import Vault
 
-RATIOS: dict[str, dict[str, str]] = {
-    "sail": {"rise": "rise_ratio"},
-    "barrel": {"rise": "rise_ratio"},
-    "lunette": {
-        "rise": "rise_ratio",
-        "pitch": "pitch_ratio",
-        "shift": "shift_ratio",
-        "lunette_span": "width_ratio",
-        "lunette_springing": "springing_ratio",
-    },
-    "trough": {"rise": "rise_ratio", "south_run": "south_ratio", "north_run": "north_ratio"},
-    "mirror": {"run_x": "run_x_ratio", "run_y": "run_y_ratio", "cove_rise": "rise_ratio", "rise": "plane_ratio"},
-    "groin": {
-        "rise_x": "rise_ratio_x",
-        "rise_y": "rise_ratio_y",
-        "crown_rise": "crown_rise_ratio",
-        "offset_x": "offset_x_ratio",
-        "offset_y": "offset_y_ratio",
-    },
-    "dome": {"dome_rise": "rise_ratio", "drum_height": "drum_ratio", "pendentive_radius": "pendentive_ratio"},
-}
-"""Family -> derived length -> the one parameter that it decides, in the order in which they hang on each other."""
-
 ROUNDING = 1e-9  # [m] by which a length may miss what can be had
 
 
@@ -39,10 +16,14 @@ def with_lengths(vault: Vault, lengths: Mapping[str, float], *, called: Callable
 
     Raises:
         ValueError: a length cannot be had with the other parameters, or its profile leaves it no choice.
+
+    >>> from families import Dome
+    >>> round(with_lengths(Dome(radius=3), {"drum_height": 1.5}).drum_ratio, 9)
+    0.5
     """
     from scipy.optimize import brentq
 
-    for name, ratio in RATIOS[vault.id].items():
+    for name, ratio in vault.ratios.items():
         if name not in lengths:
             continue
         wanted, limits = lengths[name], {p.name: p.range for p in vault.parameters()}

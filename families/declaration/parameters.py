@@ -84,6 +84,10 @@ class Parametric:
 
         Raises:
             ValueError: an unknown name, or a value outside its range.
+
+        >>> from families import Barrel, Pointed
+        >>> Barrel(profile=Pointed()).replaced({"span": 4, "rise_ratio": 0.8}).rise
+        3.2
         """
         known = {p.name: p for p in self.parameters()}
         tree: dict[str, Any] = {}
@@ -104,6 +108,11 @@ def derived_declarations(cls: type) -> dict[str, Derived]:
     for base in reversed(cls.__mro__):
         found.update({k: v for k, v in vars(base).items() if isinstance(v, Derived)})
     return found
+
+
+def flat_name(field: str, name: str) -> str:
+    """How a parameter of what a field holds is called: `rise_ratio` of `profile_x` is `rise_ratio_x`."""
+    return field.replace("profile", name) if "profile" in field else name
 
 
 _DECLARED: dict[type, tuple[tuple[str, Range, bool], ...]] = {}
@@ -131,8 +140,7 @@ def _flatten(shape: Parametric) -> Iterator[Parameter]:
             yield Parameter(field.name, (field.name,), *own[field.name])
         elif isinstance(inner := getattr(shape, field.name), Parametric):
             for p in inner.parameters():
-                name = field.name.replace("profile", p.name) if "profile" in field.name else p.name
-                yield dataclasses.replace(p, name=name, path=(field.name, *p.path))
+                yield dataclasses.replace(p, name=flat_name(field.name, p.name), path=(field.name, *p.path))
 
 
 def _get(shape: Any, path: tuple[str, ...]) -> Any:

@@ -53,7 +53,11 @@ class Curve:
 
 
 def circle_through(half_span: float, rise: float) -> float:
-    """Radius R = (S² + H²) / (2 H) [m] of the arc that rises by H over the half span S (or a cove's run)."""
+    """Radius R = (S² + H²) / (2 H) [m] of the arc that rises by H over the half span S (or a cove's run).
+
+    >>> circle_through(2.0, 1.0)
+    2.5
+    """
     return (half_span**2 + rise**2) / (2 * rise)
 
 
@@ -64,7 +68,12 @@ class Profile(Parametric, ABC):
     aliases: ClassVar[tuple[str, ...]] = ()
 
     def curve(self, half_span: float) -> Curve:
-        """The curve over a half span [m]."""
+        """The curve over a half span [m].
+
+        >>> curve = Segmental(rise_ratio=0.25).curve(2.0)
+        >>> curve.rise, curve.crown_radius
+        (1.0, 2.5)
+        """
         return self.arch(half_span, self.rise(half_span))
 
     def rise(self, half_span: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from abc import abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 
 from families.declaration.constraints import Constraint
 from families.declaration.corners import Skew
+from families.declaration.facts import demand_facts
 from families.declaration.parameters import Parametric
 from families.declaration.pieces import Piece
 from families.declaration.plan import Plan
 from families.declaration.profiles import Profile
+from families.declaration.symmetry import Symmetry
 
 if TYPE_CHECKING:
     import build123d
@@ -44,14 +46,35 @@ class Surface:
 
 @dataclass(frozen=True)
 class Vault(Parametric):
-    """A vault in its frame: origin at the centre of the plan on the springing, x and y along its sides, z up [m]."""
+    """A vault in its frame: origin at the centre of the plan on the springing, x and y along its sides, z up [m].
+
+    A family is a frozen dataclass of this base that declares all that is known of it; nothing stands anywhere else.
+    What has no default here is in `families.declaration.facts`, and a class without it is refused. `catalogue.register`
+    makes it known by its names.
+    """
 
     id: ClassVar[str]
     title: ClassVar[str]
-    aliases: ClassVar[dict[str, tuple[str, ...]]]  # language code -> names
+    aliases: ClassVar[Mapping[str, tuple[str, ...]]]  # language code -> names
+    glossary: ClassVar[tuple[tuple[str, str], ...]] = ()  # terms, and what they mean, for people who read its report
+    roof_type: ClassVar[str]  # of IfcRoofTypeEnum
+    # Length that people measure -> the one parameter that it decides, monotonic in it; each after those it hangs on.
+    ratios: ClassVar[Mapping[str, str]]
+    held: ClassVar[Mapping[str, str]] = {}  # further lengths that a fit can hold, likewise
+    stands_for: ClassVar[Mapping[str, Callable[[float], Mapping[str, float]]]] = {}  # length -> what holding it holds
     constraints: ClassVar[tuple[Constraint, ...]] = ()  # in the order in which a fit tries them
+    usual: ClassVar[Mapping[str, tuple[float, float]]] = {}  # mean and deviation of parameters that are let go
+    alike: ClassVar[tuple[str, ...]] = ()  # the arches that are mostly of one kind
+    raised: ClassVar[tuple[str, ...]] = ()  # the arches that spring higher than the vault itself
+    quarter_turn: ClassVar[Symmetry | None]  # what a turn by 90° changes; None if it is none of the family then
+    half_turn: ClassVar[Symmetry] = Symmetry()
 
     skew: Skew | None = field(default=None, kw_only=True)  # where the plan is no rectangle
+
+    def __init_subclass__(cls, **given: Any) -> None:
+        """See that nothing is missing. Raises TypeError with a sentence that says what is."""
+        super().__init_subclass__(**given)
+        demand_facts(cls, Vault)
 
     @property
     @abstractmethod
@@ -67,6 +90,36 @@ class Vault(Parametric):
     def pieces(self) -> tuple[Piece, ...]:
         """The void, from which the numeric surface and the solid are both made."""
 
+    @classmethod
+    @abstractmethod
+    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+        """Vaults over a plan of these clear widths [m], so many that a fit can begin from the nearest."""
+
+    @classmethod
+    @abstractmethod
+    def drawn(cls, rng: np.random.Generator) -> Self:
+        """A vault with sizes as builders chose them, for virtual scans."""
+
+    @property
+    def itself(self) -> bool:
+        """Whether it has what makes its family; one that has lost it is another's, which says the same, and better."""
+        return True
+
+    @property
+    def may_be_several(self) -> bool:
+        """Whether it looks like several vaults in a row."""
+        return False
+
+    def contradiction(self, points: NDArray[np.float64], own: NDArray[np.float64], tolerance: float) -> str:
+        """Why it cannot be what was scanned, though it fits; empty if it can.
+
+        Args:
+            points: (n, 3) of the scan over its site, in the vault's frame [m].
+            own: (m, 3) those of them above the springing that lie on it.
+            tolerance: how far points of it may be off [m].
+        """
+        return ""
+
     def evaluate(
         self, xyz: NDArray[np.floating], *, frame: NDArray[np.float64] = IDENTITY, walls: bool = False
     ) -> Surface:
@@ -76,6 +129,12 @@ class Vault(Parametric):
             xyz: the points.
             frame: (3, 4) rigid motion that brings the points into the vault's frame.
             walls: the vault on its walls: points nearer to a wall, or below the springing, have component 0.
+
+        >>> from families import Groin
+        >>> vault = Groin(span_x=6, span_y=6)
+        >>> here = vault.evaluate(np.array([[0.0, -2.0, 2.9], [2.0, 0.0, 3.2]]))
+        >>> here.distance.round(3).tolist(), [vault.components[k - 1] for k in here.component]
+        ([-0.1, 0.2], ['web_south', 'web_east'])
         """
         from families.void import kernel
 
@@ -89,7 +148,12 @@ class Vault(Parametric):
     def distance(
         self, xyz: NDArray[np.floating], *, frame: NDArray[np.float64] = IDENTITY, walls: bool = False
     ) -> NDArray[np.float64]:
-        """Signed distances (n,) [m] of points (n, 3), positive in the stone."""
+        """Signed distances (n,) [m] of points (n, 3), positive in the stone.
+
+        >>> from families import Barrel
+        >>> Barrel(span=4, length=6).distance(np.array([[0.0, 0.0, 1.5], [0.0, 0.0, 2.25]])).tolist()
+        [-0.5, 0.25]
+        """
         from families.void import kernel
 
         table = kernel.pack(self.pieces(), self.components)
@@ -108,7 +172,14 @@ class Vault(Parametric):
         return {name: arch.id for name, arch in self.profiles.items()}
 
     def plain(self) -> dict[str, Any]:
-        """The whole vault as plain values, ready for JSON; `from_plain` reads it."""
+        """The whole vault as plain values, ready for JSON; `from_plain` reads it.
+
+        >>> from families import Sail
+        >>> Sail(span_x=4).plain()["parameters"]
+        {'span_x': 4.0, 'span_y': 5.0, 'rise_ratio': 0.8}
+        >>> Vault.from_plain(Sail(span_x=4).plain()) == Sail(span_x=4)
+        True
+        """
         return {"schema": SCHEMA, "family": self.id, "profiles": self.kinds, "parameters": self.values()}
 
     @classmethod
@@ -148,13 +219,25 @@ class Vault(Parametric):
         return brep.intrados(self)
 
     def void(self) -> build123d.Part:
-        """The room under the vault [mm], above the springing and within the plan, to be cut out of a block."""
+        """The room under the vault [mm], above the springing and within the plan, to be cut out of a block.
+
+        >>> from math import pi
+        >>> from families import Barrel
+        >>> round(Barrel(span=4, length=6).void().volume / 1e9 / pi, 6)
+        12.0
+        """
         from families.solid import brep
 
         return brep.room(self)
 
     def solid(self, thickness: float = 0.15) -> build123d.Part:
-        """The masonry [mm] between the intrados and an extrados with all radii larger by `thickness` [m]."""
+        """The masonry [mm] between the intrados and an extrados with all radii larger by `thickness` [m].
+
+        >>> from math import pi
+        >>> from families import Barrel
+        >>> round(Barrel(span=4, length=6).solid(0.5).volume / 1e9 / pi, 6)  # (2.5² - 2²) / 2 x 6 m
+        6.75
+        """
         from families.solid import brep
 
         return brep.solid(self, thickness)
@@ -163,6 +246,11 @@ class Vault(Parametric):
         """The faces of this vault's void or solid, labelled and coloured, by component, "extrados" and "side".
 
         build123d itself keeps no names of faces: ask here after each time that the body was made or moved back.
+
+        >>> from families import Mirror
+        >>> vault = Mirror()
+        >>> sorted(vault.named_faces(vault.void()))
+        ['cove_east', 'cove_north', 'cove_south', 'cove_west', 'plane', 'side']
         """
         from families.solid import brep
 
@@ -175,7 +263,13 @@ class Vault(Parametric):
         return notebook.bundle(self)
 
     def sample(self, count: int, rng: np.random.Generator) -> Sample:
-        """`count` points spread evenly over the intrados, with normals and components."""
+        """`count` points spread evenly over the intrados, with normals and components.
+
+        >>> from families import Dome
+        >>> cloud = Dome(radius=3).sample(1000, np.random.default_rng(1))
+        >>> cloud.xyz.shape, cloud.normals.shape, np.unique(cloud.component).tolist()
+        ((1000, 3), (1000, 3), [1, 2, 3, 4, 5, 6])
+        """
         from families.void import sampling
 
         return sampling.sample(self, count, rng)

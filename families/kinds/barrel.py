@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Self
+
+import numpy as np
 
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.plan import Axis, Plan
 from families.declaration.profiles import Profile, Semicircular
+from families.declaration.symmetry import Symmetry
+from families.declaration.usual_arches import coarse_arches, drawn_arch
 from families.declaration.vault import Vault
 
 
@@ -18,12 +23,15 @@ class Barrel(Vault):
 
     id: ClassVar[str] = "barrel"
     title: ClassVar[str] = "barrel vault"
-    aliases: ClassVar[dict[str, tuple[str, ...]]] = {
+    aliases: ClassVar[Mapping[str, tuple[str, ...]]] = {
         "it": ("botte", "volta a botte"),
         "fr": ("berceau", "voûte en berceau"),
         "de": ("tonne", "tonnengewölbe"),
         "es": ("cañón", "bóveda de cañón"),
     }
+    roof_type: ClassVar[str] = "BARREL_ROOF"
+    ratios: ClassVar[Mapping[str, str]] = {"rise": "rise_ratio"}
+    quarter_turn: ClassVar[Symmetry | None] = None
 
     span: Annotated[float, Range(0.5, 40, "m", "clear width at the springing, across the axis")] = 5.0
     length: Annotated[float, Range(0.5, 100, "m", "extent along the axis")] = 8.0
@@ -59,3 +67,15 @@ class Barrel(Vault):
         axis = self.axis
         curve = self.profile.curve(axis.half_span)
         return (Piece((BarrelPart(axis.across, curve, ("barrel", "barrel"), axis.origin, splay=axis.splay),)),)
+
+    @classmethod
+    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+        """All arches."""
+        for profile in coarse_arches():
+            yield cls(span_x, span_y, profile)
+
+    @classmethod
+    def drawn(cls, rng: np.random.Generator) -> Self:
+        """Longer than wide, with any arch."""
+        span = rng.uniform(2.5, 7)
+        return cls(span, span * rng.uniform(1, 2.2), drawn_arch(rng))

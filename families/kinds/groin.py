@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from itertools import product
+from typing import Annotated, ClassVar, Self
+
+import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.plan import Axis, Plan
 from families.declaration.profiles import Profile, Semicircular
+from families.declaration.symmetry import Symmetry
+from families.declaration.usual_arches import COARSE_KINDS, COARSE_RISES, drawn_arch, either
 from families.declaration.vault import Vault
 
+EQUALLY_HIGH = 0.8  # the lower barrel rises to this share of the higher, else it is a row of lunettes
 BEGUN = 0.02  # where a crown rise or an offset is looked for first
 
 
@@ -42,6 +49,11 @@ def _equal_rises(vault: Groin) -> dict[str, float]:
     return {}
 
 
+def _level_crown(rise: float) -> dict[str, float]:
+    """A rise is that of both barrels, the crown being level."""
+    return {"rise_x": rise, "rise_y": rise, "crown_rise": 0.0}
+
+
 @dataclass(frozen=True)
 class Groin(Vault):
     """Barrel of `profile_x` across x along y, crossed by one of `profile_y` across y along x.
@@ -52,12 +64,32 @@ class Groin(Vault):
 
     id: ClassVar[str] = "groin"
     title: ClassVar[str] = "groin vault"
-    aliases: ClassVar[dict[str, tuple[str, ...]]] = {
+    aliases: ClassVar[Mapping[str, tuple[str, ...]]] = {
         "it": ("crociera", "volta a crociera"),
         "fr": ("voûte d'arêtes", "arêtes"),
         "de": ("kreuzgratgewölbe", "kreuzgewölbe", "kreuzgrat"),
         "es": ("arista", "bóveda de arista", "crucería"),
     }
+    glossary: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("web", "one of the fields of a groin vault, between two groins and a wall arch"),
+        ("groin", "the edge where two barrels meet"),
+    )
+    roof_type: ClassVar[str] = "USERDEFINED"
+    ratios: ClassVar[Mapping[str, str]] = {
+        "rise_x": "rise_ratio_x",
+        "rise_y": "rise_ratio_y",
+        "crown_rise": "crown_rise_ratio",
+        "offset_x": "offset_x_ratio",
+        "offset_y": "offset_y_ratio",
+    }
+    stands_for: ClassVar[Mapping[str, Callable[[float], Mapping[str, float]]]] = {"rise": _level_crown}
+    usual: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "offset_x_ratio": (0.04, 0.03),
+        "offset_y_ratio": (0.04, 0.03),
+        "crown_rise_ratio": (0.08, 0.05),
+    }
+    alike: ClassVar[tuple[str, ...]] = ("profile_x", "profile_y")
+    quarter_turn: ClassVar[Symmetry | None] = Symmetry(exchanged=("x", "y"))
     constraints: ClassVar[tuple[Constraint, ...]] = (
         Constraint(
             "level-crown",
@@ -159,3 +191,36 @@ class Groin(Vault):
             barrel(axis_x, self.profile_x, ("web_south", "web_north")),
             barrel(axis_y, self.profile_y, ("web_east", "web_west")),
         )
+
+    @classmethod
+    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+        """Arches of one kind in both directions, equally high."""
+        for kind, ratio in product(COARSE_KINDS, COARSE_RISES):
+            rise = ratio * (span_x + span_y) / 2
+            profiles = kind.over(rise / span_x), kind.over(rise / span_y)
+            if profiles[0] is not None and profiles[1] is not None:
+                yield cls(span_x, span_y, profiles[0], profiles[1])
+
+    @classmethod
+    def drawn(cls, rng: np.random.Generator) -> Self:
+        """About square, with arches of any kind."""
+        span_x = rng.uniform(3, 7)
+        span_y = span_x * either(rng, 0.3, 1.0, 0.85, 1.2)
+        profile, other = drawn_arch(rng), drawn_arch(rng)
+        # Most crowns are level: the second arch takes the rise of the first, if its kind can.
+        level = type(other).over(profile.rise(span_x / 2) / span_y)
+        chosen = level if level is not None and rng.random() < 0.8 else profile
+        return cls(
+            span_x,
+            span_y,
+            profile,
+            chosen,
+            crown_rise_ratio=either(rng, 0.6, 0.0, 0.03, 0.15),
+            offset_x_ratio=either(rng, 0.7, 0.0, 0.02, 0.06),
+            offset_y_ratio=either(rng, 0.7, 0.0, 0.02, 0.06),
+        )
+
+    @property
+    def itself(self) -> bool:
+        """Whether its barrels are about equally high."""
+        return min(self.rise_x, self.rise_y) >= EQUALLY_HIGH * max(self.rise_x, self.rise_y)

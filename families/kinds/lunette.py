@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Annotated, ClassVar, Self
+
+import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.plan import Axis, Plan
-from families.declaration.profiles import Profile, Segmental, Semicircular
+from families.declaration.profiles import Elliptical, Profile, Segmental, Semicircular
+from families.declaration.symmetry import Symmetry
+from families.declaration.usual_arches import coarse_arches, drawn_arch, either
 from families.declaration.vault import Vault
+
+LOWER = 0.95  # lunettes stay below this share of their barrel's rise, else they are groin vaults in a row
+HIGH = 0.93  # and from this share on they may be
+NARROWEST = 0.8  # m, of the length that each lunette has in first guesses
 
 
 def _off_centre(vault: Lunette) -> dict[str, float]:
@@ -28,12 +38,25 @@ class Lunette(Vault):
 
     id: ClassVar[str] = "lunette"
     title: ClassVar[str] = "barrel vault with lunettes"
-    aliases: ClassVar[dict[str, tuple[str, ...]]] = {
+    aliases: ClassVar[Mapping[str, tuple[str, ...]]] = {
         "it": ("lunettata", "volta a botte lunettata", "botte lunettata", "botte con lunette"),
         "fr": ("berceau à lunettes", "voûte à lunettes", "lunettes"),
         "de": ("stichkappentonne", "tonne mit stichkappen", "stichkappen"),
         "es": ("lunetos", "bóveda de lunetos", "cañón con lunetos"),
     }
+    glossary: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("lunette", "small transverse vault that cuts into a barrel, often over a window"),
+    )
+    roof_type: ClassVar[str] = "BARREL_ROOF"
+    ratios: ClassVar[Mapping[str, str]] = {
+        "rise": "rise_ratio",
+        "pitch": "pitch_ratio",
+        "shift": "shift_ratio",
+        "lunette_span": "width_ratio",
+        "lunette_springing": "springing_ratio",
+    }
+    quarter_turn: ClassVar[Symmetry | None] = None
+    half_turn: ClassVar[Symmetry] = Symmetry(negated=("shift_ratio", "shift"))
     constraints: ClassVar[tuple[Constraint, ...]] = (
         Constraint(
             "centred-row", "the row of lunettes is in the middle of the length", {"shift_ratio": 0.0}, rare=True
@@ -128,3 +151,43 @@ class Lunette(Vault):
             for k, place in enumerate(self.positions, 1)
         )
         return (Piece((barrel,)), *(Piece((part,)) for part in lunettes))
+
+    @classmethod
+    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+        """One to six lunettes a side, narrow or wide, low or high."""
+        for profile in coarse_arches():
+            if isinstance(profile, Elliptical):  # lies between the others; the lunettes make the grid large
+                continue
+            for count, width, springing in product(range(1, 7), (0.6, 0.95), (0.1, 0.6)):
+                if span_y / count > NARROWEST:
+                    yield cls(span_x, span_y, profile, count, 0.97, 0.0, width, springing)
+
+    @classmethod
+    def drawn(cls, rng: np.random.Generator) -> Self:
+        """One to four lunettes a side, most rows even and centred."""
+        count, ratio = int(rng.integers(1, 5)), either(rng, 0.6, 1.0, 0.8, 0.98)
+        plain = cls(
+            span=rng.uniform(3.2, 7),
+            length=count * rng.uniform(max(2, 2.6 / count), 3.2) / ratio,
+            profile=drawn_arch(rng, "semicircular", "segmental", "basket-handle", "elliptical"),
+            count=count,
+            pitch_ratio=ratio,
+            shift_ratio=either(rng, 0.6, 0.0, -0.8, 0.8),
+            width_ratio=rng.uniform(0.6, 0.95),
+            springing_ratio=0.0,
+            lunette_profile=drawn_arch(rng, "semicircular", "segmental", "pointed"),
+        )
+        # Lunettes reach well up into the barrel, at least to half its rise.
+        crown = rng.uniform(0.5, 0.85) * plain.rise
+        springing = (crown - plain.lunette_rise) / (plain.rise - plain.lunette_rise)
+        return replace(plain, springing_ratio=max(0.0, springing))
+
+    @property
+    def itself(self) -> bool:
+        """Whether its lunettes are lower than the barrel."""
+        return self.lunette_springing + self.lunette_rise <= LOWER * self.rise
+
+    @property
+    def may_be_several(self) -> bool:
+        """Whether it might be a row of groin vaults."""
+        return self.count > 1 and self.lunette_springing + self.lunette_rise > HIGH * self.rise

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from itertools import product
+from math import sqrt
+from typing import Annotated, ClassVar, Self
+
+import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ceiling, Piece, cove
 from families.declaration.plan import Plan
 from families.declaration.profiles import circle_through, segmental
+from families.declaration.symmetry import Symmetry
+from families.declaration.usual_arches import either
 from families.declaration.vault import Vault
 
+NARROWEST_PLANE = 0.1  # the plane is at least this share of the shorter span, else coves all but meet: a trough
 SIDES = (("south", 0, -1), ("north", 2, 1), ("west", 3, -1), ("east", 1, 1))  # and of the plan, and as a part
 
 
@@ -31,12 +39,23 @@ class Mirror(Vault):
 
     id: ClassVar[str] = "mirror"
     title: ClassVar[str] = "mirror vault"
-    aliases: ClassVar[dict[str, tuple[str, ...]]] = {
+    aliases: ClassVar[Mapping[str, tuple[str, ...]]] = {
         "it": ("specchio", "schifo", "gavetta", "volta a specchio", "volta a schifo"),
         "fr": ("voûte en miroir", "arc de cloître à plafond", "voussure à plafond"),
         "de": ("spiegelgewölbe",),
         "es": ("espejo", "bóveda de espejo", "artesa"),
     }
+    glossary: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("cove", "curved strip between a wall and the level field of a mirror vault; S is its run, H its rise"),
+    )
+    roof_type: ClassVar[str] = "USERDEFINED"
+    ratios: ClassVar[Mapping[str, str]] = {
+        "run_x": "run_x_ratio",
+        "run_y": "run_y_ratio",
+        "cove_rise": "rise_ratio",
+        "rise": "plane_ratio",
+    }
+    quarter_turn: ClassVar[Symmetry | None] = Symmetry(exchanged=("x", "y"))
     constraints: ClassVar[tuple[Constraint, ...]] = (
         Constraint("tangent-plane", "the plane touches the coves where they are level", {"plane_ratio": 1.0}),
         Constraint("quarter-coves", "the coves spring vertically, R = S = H", {"rise_ratio": 1.0}),
@@ -101,3 +120,38 @@ class Mirror(Vault):
         walls, runs, rise = self.plan.sides, self.runs, self.cove_rise
         coves = (cove(walls[k], segmental(runs[k], rise), f"cove_{name}", side) for name, k, side in SIDES)
         return (Piece((*coves, Ceiling(self.rise, ("plane",)))),)
+
+    @classmethod
+    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+        """Narrow and wide coves, flat and steep, touched by the plane or cut."""
+        least = min(span_x, span_y)
+        for run, rise, plane in product((0.25, 0.5, 0.75, 1.0), (0.4, 0.6, 0.8, 1.0), (0.4, 0.7, 1.0)):
+            runs = max(run * least / span_x, 0.1), max(run * least / span_y, 0.1)
+            yield cls(span_x, span_y, *runs, rise, plane)
+
+    @classmethod
+    def drawn(cls, rng: np.random.Generator) -> Self:
+        """Most coves equally wide."""
+        span_x, span_y = rng.uniform(3, 6), rng.uniform(3.5, 8)
+        run = rng.uniform(0.25, 0.65) * min(span_x, span_y) / 2
+        return cls(
+            span_x,
+            span_y,
+            2 * run / span_x,
+            either(rng, 0.6, 1.0, 0.85, 1.1) * 2 * run / span_y,
+            rise_ratio=either(rng, 0.4, 1.0, 0.6, 1),
+            plane_ratio=either(rng, 0.5, 1.0, 0.6, 0.9),
+        )
+
+    @property
+    def itself(self) -> bool:
+        """Whether there is a plane."""
+
+        def visible(run: float, radius: float) -> float:
+            """Run of a cove up to the plane [m]."""
+            centre = self.cove_rise - radius
+            return run - sqrt(max(0.0, radius**2 - (self.rise - centre) ** 2))
+
+        plane_x = self.span_x - 2 * visible(self.run_x, self.radius_x)
+        plane_y = self.span_y - 2 * visible(self.run_y, self.radius_y)
+        return min(plane_x, plane_y) >= NARROWEST_PLANE * min(self.span_x, self.span_y)

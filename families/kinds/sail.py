@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import hypot, sqrt
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ball, Piece
 from families.declaration.plan import Plan, Vector
 from families.declaration.profiles import circle_through
+from families.declaration.symmetry import Symmetry
 from families.declaration.vault import Vault
+
+ROUND = 0.15  # points of the sphere beyond the plan / in it from which on the plan is round
 
 
 @dataclass(frozen=True)
@@ -25,12 +30,15 @@ class Sail(Vault):
 
     id: ClassVar[str] = "sail"
     title: ClassVar[str] = "sail vault"
-    aliases: ClassVar[dict[str, tuple[str, ...]]] = {
+    aliases: ClassVar[Mapping[str, tuple[str, ...]]] = {
         "it": ("vela", "volta a vela"),
         "fr": ("voûte en pendentifs", "cul-de-four"),
         "de": ("hängekuppel", "böhmische kappe", "stutzkuppel"),
         "es": ("bóveda vaída", "vaída", "baída"),
     }
+    roof_type: ClassVar[str] = "USERDEFINED"
+    ratios: ClassVar[Mapping[str, str]] = {"rise": "rise_ratio"}
+    quarter_turn: ClassVar[Symmetry | None] = Symmetry(exchanged=("x", "y"))
     constraints: ClassVar[tuple[Constraint, ...]] = (
         Constraint("hemisphere", "the sphere's centre lies on the springing", {"rise_ratio": 1.0}),
     )
@@ -78,3 +86,27 @@ class Sail(Vault):
     def pieces(self) -> tuple[Piece, ...]:
         """A ball."""
         return (Piece((Ball(self.rise - self.radius, self.radius, ("sail",), self._centre),)),)
+
+    @classmethod
+    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+        """All rises."""
+        for ratio in np.linspace(0.1, 1, 13).tolist():
+            yield cls(span_x, span_y, ratio)
+
+    @classmethod
+    def drawn(cls, rng: np.random.Generator) -> Self:
+        """About square."""
+        span = rng.uniform(3, 6.5)
+        return cls(span, span * rng.uniform(0.85, 1.2), rng.uniform(0.35, 1))
+
+    def contradiction(self, points: NDArray[np.float64], own: NDArray[np.float64], tolerance: float) -> str:
+        """Its sphere goes on beyond its rectangle, as a dome's does over a round plan."""
+        centre = self.rise - self.radius
+        beyond = (np.abs(points[:, :2]) > self.plan.half + tolerance).any(axis=1) & (points[:, 2] > centre)
+        off = np.abs(np.linalg.norm(points - [0.0, 0.0, centre], axis=1) - self.radius)
+        if (beyond & (off < tolerance)).sum() <= ROUND * len(own):
+            return ""
+        return (
+            f"a sphere of {self.radius:.2f} m radius that goes on beyond any square under it: a dome over a round "
+            "plan, which is no family yet"
+        )

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from itertools import product
+from typing import Annotated, ClassVar, Self
+
+import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece, cove
 from families.declaration.plan import Plan, Side
 from families.declaration.profiles import Profile, Semicircular
+from families.declaration.symmetry import Symmetry
+from families.declaration.usual_arches import coarse_arches, drawn_arch, either
 from families.declaration.vault import Vault
 
 
@@ -24,12 +30,23 @@ class Trough(Vault):
 
     id: ClassVar[str] = "trough"
     title: ClassVar[str] = "trough vault"
-    aliases: ClassVar[dict[str, tuple[str, ...]]] = {
+    aliases: ClassVar[Mapping[str, tuple[str, ...]]] = {
         "it": ("botte con teste di padiglione", "padiglione", "volta a padiglione"),
         "fr": ("arc de cloître", "voûte en arc de cloître"),
         "de": ("muldengewölbe", "klostergewölbe"),
         "es": ("esquifada", "bóveda esquifada", "rincón de claustro"),
     }
+    glossary: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("head", "the curved end of a trough vault, like a quarter of a cloister vault"),
+    )
+    roof_type: ClassVar[str] = "USERDEFINED"  # PAVILION_ROOF is a hipped roof, no cloister vault
+    ratios: ClassVar[Mapping[str, str]] = {
+        "rise": "rise_ratio",
+        "south_run": "south_ratio",
+        "north_run": "north_ratio",
+    }
+    quarter_turn: ClassVar[Symmetry | None] = None
+    half_turn: ClassVar[Symmetry] = Symmetry(exchanged=("south", "north"))
     constraints: ClassVar[tuple[Constraint, ...]] = (
         Constraint("no-ridge", "the heads meet in one point: a cloister", {"south_ratio": 1.0, "north_ratio": 1.0}),
         Constraint("equal-heads", "both heads have the same run", follows=_equal_heads),
@@ -86,3 +103,21 @@ class Trough(Vault):
         curve = self.profile.curve(axis.half_span)
         barrel = BarrelPart(axis.across, curve, ("barrel", "barrel"), axis.origin, splay=axis.splay)
         return (Piece((barrel, *heads)),)
+
+    @classmethod
+    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+        """All arches, with steep and flat heads."""
+        for profile, run in product(coarse_arches(), (0.5, 0.75, 1.0, 1.4)):
+            ratio = min(max(run * span_x / span_y, 0.1), 1.0)
+            yield cls(span_x, span_y, profile, ratio, ratio)
+
+    @classmethod
+    def drawn(cls, rng: np.random.Generator) -> Self:
+        """A cloister vault now and then; most heads equal."""
+        span = rng.uniform(3, 6)
+        profile = drawn_arch(rng, "semicircular", "segmental", "basket-handle", "elliptical")
+        if rng.random() < 0.2:
+            return cls(span, span * rng.uniform(0.9, 1.1), profile, 1.0, 1.0)
+        length = span * rng.uniform(1.3, 2.2)
+        south = min(0.95, rng.uniform(0.7, 1.2) * span / length)
+        return cls(span, length, profile, south, either(rng, 0.7, south, 0.8 * south, south))

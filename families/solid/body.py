@@ -1,4 +1,4 @@
-"""A body [mm] between two surfaces over a region of the plan: their roofs, the walls at which they step, and its sides."""
+"""A body [mm] between two surfaces over a plan: their roofs, the walls at which they step, and its sides."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def body(upper: Void, lower: Void | None) -> TopoDS_Shape:
 
 
 def surface(upper: Void) -> TopoDS_Shape:
-    """The faces of a void but for the ground and the plan's sides: roofs, and walls that stand within or on the plan."""
+    """The faces of a void but for the ground and the plan's sides: roofs, and walls within or on the plan."""
     net, faces = _laid(upper, None)
     faces.show()
     return together(face for face, _ in net.faces)

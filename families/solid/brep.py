@@ -11,7 +11,7 @@ from families.declaration.palette import Colour, colour
 from families.declaration.vault import Vault
 from families.solid.body import body
 from families.solid.body import surface as laid
-from families.solid.occ.shapes import faces, inner_points, together
+from families.solid.occ.shapes import faces, inner_points
 from families.solid.roofs import Void
 
 if TYPE_CHECKING:

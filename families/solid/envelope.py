@@ -1,7 +1,7 @@
 """Which roof shows where: each cell of the plan parted into regions by the lines in which two roofs are as high.
 
-Within a cell all heights are smooth, so that the order of roofs along its boundary tells which lines cross it: none, one
-from side to side, or three from a point inside. Any other cell is halved first.
+Within a cell all heights are smooth, so that the order of roofs along its boundary tells which lines cross it: none,
+one from side to side, or three from a point inside. Any other cell is halved first.
 """
 
 from __future__ import annotations
@@ -86,7 +86,8 @@ class Skin:
 
     def height(self, roof: int, x: Array, y: Array) -> Array:
         """Heights (n,) of a roof over places."""
-        return heights(x, y, self.table, roof)
+        found: Array = heights(x, y, self.table, roof)
+        return found
 
     def lay(self, cell: Cell, pieces: list[list[Roof]]) -> None:
         """The regions of a cell over which pieces show these roofs."""
@@ -99,9 +100,7 @@ class Skin:
             return
         self.regions += self._parted(cell, np.array(rows), np.array(owners), HALVED)
 
-    def _parted(
-        self, cell: Cell, rows: NDArray[np.int64], owners: NDArray[np.int64], depth: int
-    ) -> Iterator[Region]:
+    def _parted(self, cell: Cell, rows: NDArray[np.int64], owners: NDArray[np.int64], depth: int) -> Iterator[Region]:
         found = _Outline(self, cell, rows, owners)
         changes = found.changes()
         regions = found.regions(changes)
@@ -292,7 +291,7 @@ class _Outline:
             plan = trace(first, last, share, low, high, self.skin.table, *rows)
             if np.isnan(plan).any():
                 return None
-            x, y = np.concatenate([[first[0]], plan[:, 0], [last[0]]]), np.concatenate([[first[1]], plan[:, 1], [last[1]]])
+            x, y = np.ascontiguousarray(np.vstack([first, plan, last]).T)
             z = [self.skin.height(row, x, y) for row in rows]
             return np.stack([x, y, (z[0] + z[1]) / 2], axis=1)
 
@@ -384,4 +383,4 @@ def nodes(points: Array, dense: Array, count: int = NODES[0]) -> Array:
     even = np.linspace(0, 1, count)
     share = np.interp((even + (1 - np.cos(np.pi * even)) / 2) / 2 * effort[-1], np.append(0.0, effort), dense)
     share[[0, -1]] = 0.0, 1.0
-    return share
+    return share  # type: ignore[no-any-return]  # numpy's stubs

@@ -6,8 +6,8 @@ from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
-from math import atan2, hypot, pi
+from itertools import pairwise
+from math import hypot, pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,14 +17,14 @@ from scipy.optimize import brentq
 from families.declaration.plan import Vector
 from families.declaration.units import MM
 from families.solid.boundary import Loop, Pole, Step
-from families.solid.curves import Point, Spline, Straight
+from families.solid.curves import Spline, Straight
 from families.solid.envelope import DENSE, SAME_HEIGHT, Line, Skin, nodes
 from families.solid.face_net import ONE, Net, Patch
 from families.solid.heights import change, shown
 from families.solid.plan_cells import SAME_PLACE, Ground, Part
 from families.solid.plane_regions import regions
+from families.solid.roofs import Plane, Roof, TurnedRoof, Void
 from families.solid.seamless import seamless
-from families.solid.roofs import Plane, TurnedRoof, Void
 from families.solid.surfaces import Drum, Flat, Sheet
 
 Array = NDArray[np.float64]
@@ -82,6 +82,7 @@ class Faces:
         if forced:
             self._stop(forced)
         self.above, self.below = self._seen(self.top), self._seen(self.bottom)
+        forced += self._line_ends()
         self._join({(way, self._nearest(self.stops[way], t)) for way, t in forced})
         self.roofs: tuple[dict[int, Loop], dict[int, Loop]] = (defaultdict(list), defaultdict(list))
         for skin, seen, steps, upper in (
@@ -118,6 +119,16 @@ class Faces:
                 for part in region.loop:
                     if isinstance(part, Part):
                         yield from ((part.way, part.start), (part.way, part.end))
+
+    def _line_ends(self) -> Iterator[tuple[int, float]]:
+        """Where lines within cells reach their boundaries."""
+        for skin in (self.top, self.bottom):
+            for region in skin.regions:
+                for before, after in pairwise([*region.loop, region.loop[0]]):
+                    if isinstance(before, Part) and not isinstance(after, Part):
+                        yield before.way, before.end
+                    elif isinstance(after, Part) and not isinstance(before, Part):
+                        yield after.way, after.start
 
     def _stop(self, at: Iterable[tuple[int, float]]) -> None:
         found: dict[int, list[float]] = defaultdict(list)
@@ -270,11 +281,11 @@ class Faces:
                 steps[left].append(step)
                 steps[right].append(step.reversed)
                 continue
-            own = self._step(skin, (left,), piece), self._step(skin, (right,), piece)
-            steps[left].append(own[0])
-            steps[right].append(own[1].reversed)
+            here, there = self._step(skin, (left,), piece), self._step(skin, (right,), piece)
+            steps[left].append(here)
+            steps[right].append(there.reversed)
             higher = bool(miss[2] > 0)
-            lower, top = own[::-1] if higher else own
+            lower, top = (there, here) if higher else (here, there)
             roof = skin.roofs[left if higher else right]
             # Not of the extrados, which has none of the room's names, nor below stone that overhangs.
             own = (not upper or self.beyond is not None) and not isinstance(roof, Plane)
@@ -297,12 +308,13 @@ class Faces:
             if foot is top:
                 continue
             for lower, upper, own in self._strips(piece, sides, (foot, low), (top, high)):
-                self._wall(piece, lower, upper, left=left, shown=own, level=self.top.roofs[roof].springing if own else None)
+                level = self.top.roofs[roof].springing if own else None
+                self._wall(piece, lower, upper, left=left, shown=own, level=level)
 
     def _strips(
         self, piece: Piece, sides: Sides, foot: tuple[Step, Array], top: tuple[Step, Array]
     ) -> Iterator[tuple[Step, Step, bool]]:
-        """A side parted by height: below, where the void goes on, it is the plan's; above, it is the void's own wall."""
+        """A side parted by height: as high as the void goes on it is the plan's, above it is the void's own wall."""
         rows = self._outside(piece, sides)[0] if self.beyond is not None else np.empty(0, np.int64)
         if self.beyond is not None and not len(rows):
             yield foot[0], top[0], True
@@ -346,7 +358,7 @@ class Faces:
     # Walls.
 
     def _wall(self, piece: Piece, lower: Step, upper: Step, *, left: bool, shown: bool, level: float | None) -> None:
-        """Upright between two steps over a piece, the body on its left or right; parted at a level [m] below the upper."""
+        """Upright between two steps over a piece, the body on its left or right; parted at a level [m]."""
         sheet, turned = self._upright(piece)
         wall = Wall(sheet, left == turned, shown)
         if level is not None and lower.places[1, 2] < MM * level - ONE < MM * level + ONE < upper.places[1, 2]:
@@ -377,9 +389,9 @@ class Faces:
             start, end = self._span(piece)
             quarter = (way.angle + (start + end) / 2 * way.sweep) // (pi / 2)
             (x, y), radius = way.centre, way.radius
-            key = (x, y, round(radius, 6), quarter % 4)
+            round_key = (x, y, round(radius, 6), quarter % 4)
             about = (quarter + 0.5) * pi / 2
-            sheet = self._sheets.setdefault(key, Drum((MM * x, MM * y), MM * radius, about))
+            sheet = self._sheets.setdefault(round_key, Drum((MM * x, MM * y), MM * radius, about))
             return sheet, way.sweep < 0
         nx, ny = self._right(piece[0], 0.0, 0.0)
         turned = nx < -SAME_PLACE or (abs(nx) <= SAME_PLACE and ny < 0)
@@ -394,10 +406,9 @@ class Faces:
     def _roof_patches(self, skin: Skin, steps: dict[int, Loop], *, flipped: bool) -> Iterator[Patch]:
         for number, loop in steps.items():
             roof = skin.roofs[number]
+            poles = isinstance(roof, TurnedRoof) and roof.quarter >= 0 and not roof.radius
             for loops in self._closed(_plan, loop):
-                if isinstance(roof, TurnedRoof) and roof.quarter >= 0 and not roof.radius:
-                    loops = [_with_pole(roof, one) for one in loops]
-                yield Patch(roof.sheet, loops, flipped)
+                yield Patch(roof.sheet, [_with_pole(roof, one) if poles else one for one in loops], flipped)
 
     def _wall_patches(self, walls: Iterable[Wall]) -> Iterator[Patch]:
         chosen = list(walls)
@@ -435,8 +446,9 @@ def _plumb(start: Array, end: Array) -> Step:
     return Step(Straight((0.0, 0.0, 1.0), (x, y, 0.0)), float(start[2]), float(end[2]))
 
 
-def _with_pole(roof: TurnedRoof, loop: Loop) -> Loop:
+def _with_pole(roof: Roof, loop: Loop) -> Loop:
     """A loop with the line of parameters that is the apex, where it passes that."""
+    assert isinstance(roof, TurnedRoof)
     place = MM * np.array(roof.centre)
     found: Loop = []
     for k, step in enumerate(loop):

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
+from families.declaration.plan import Plan
 from families.declaration.vault import Vault
 from families.solid.mesh import Mesh
 
@@ -21,13 +20,11 @@ def relief(vault: Vault, thickness: float) -> Mesh:
     """The masonry between the intrados and a surface `thickness` [m] farther into the stone, cut off at the plan.
 
     Steps in plan grow smaller towards the sides, where arches are steep; what is plumb leans by one of them.
+
+    Raises:
+        ValueError: the plan cannot be seen whole from its middle, as a ring.
     """
-    if vault.skew is not None:
-        straight = relief(vault.straight, thickness)
-        return replace(straight, vertices=vault.bent(straight.vertices))
-    u = np.sin(np.linspace(-np.pi / 2, np.pi / 2, GRID_STEPS))
-    x, y = np.meshgrid(u * vault.plan.half_x, u * vault.plan.half_y, indexing="ij")
-    plan = np.column_stack([x.ravel(), y.ravel()])
+    plan = _grid(vault.plan)
     top = vault.derived_values()["rise"] + 2 * thickness + 1.0
     lower, upper = (np.column_stack([plan, _height(vault, plan, depth, top)]) for depth in (0.0, thickness))
     count, cells = len(plan), _cells()
@@ -45,6 +42,27 @@ def relief(vault: Vault, thickness: float) -> Mesh:
         np.concatenate([cells[:, ::-1], cells + count, sides[:, ::-1]]).astype(np.int32),
         np.concatenate([shown, above, names]).astype(np.uint16),
     )
+
+
+def _grid(plan: Plan) -> Array:
+    """Places (n, 2) of a grid laid over a plan, row by row."""
+    if any(not side.inside for side in plan.sides):
+        raise ValueError("a plan with a hole cannot be covered by a grid about its middle")
+    u = np.sin(np.linspace(-np.pi / 2, np.pi / 2, GRID_STEPS))
+    x, y = (axis.ravel()[:, None] for axis in np.meshgrid(u, u, indexing="ij"))
+    if len(plan.sides) == 4 and all(side.centre is None for side in plan.sides):
+        a, b, c, d = plan.corners
+        quad: Array = ((1 - x) * (1 - y) * a + (1 + x) * (1 - y) * b + (1 + x) * (1 + y) * c + (1 - x) * (1 + y) * d) / 4
+        return quad
+    outline = plan.outline()
+    middle = outline.mean(axis=0)
+    lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1))])
+    closed = np.vstack([outline, outline[:1]])
+    reach = np.maximum(np.abs(x), np.abs(y))
+    turn = np.mod(np.arctan2(y, x) / (2 * np.pi), 1.0) * lengths[-1]
+    rim = np.column_stack([np.interp(turn.ravel(), lengths, closed[:, k]) for k in (0, 1)])
+    found: Array = middle + reach * (rim - middle)
+    return found
 
 
 def _height(vault: Vault, plan: Array, depth: float, top: float) -> Array:

@@ -107,7 +107,7 @@ def change(
     low, high = start, end
     for _ in range(HALVINGS):
         middle = (low + high) / 2
-        if middle == low or middle == high:
+        if middle in (low, high):
             break
         x, y = _on(way, middle)
         here = shown_at(x, y, roofs, rows, pieces)
@@ -142,7 +142,7 @@ def trace(start: Array, end: Array, share: Array, low: Array, high: Array, roofs
             s = (s0 + s1) / 2 if n % 3 == 2 or g1 == g0 else s0 - g0 * (s1 - s0) / (g1 - g0)
             if not (s0 < s < s1 or s1 < s < s0):
                 s = (s0 + s1) / 2
-                if s == s0 or s == s1:
+                if s in (s0, s1):
                     break
             qx, qy = px - y * s, py + x * s
             g = height_at(qx, qy, roofs, a) - height_at(qx, qy, roofs, b)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,8 +41,6 @@ def mesh(vault: Vault, tolerance: float = 0.002) -> Mesh:
     """The intrados; triangles deviate from it by no more than about `tolerance` [m]. They face the room."""
     from families.solid import brep
 
-    if vault.skew is not None:
-        return _skewed(vault, mesh(vault.straight, tolerance))
     shape = brep.surface(vault)
     ids = {name: k for k, name in enumerate(vault.components, 1)}
     found = [(face, ids[name]) for face, name in brep.face_names(shape, vault) if name in ids]
@@ -54,12 +52,10 @@ def mesh_solid(
 ) -> Mesh:
     """The masonry as a closed mesh: every edge belongs to two triangles. They face outwards, away from the stone.
 
-    `shape` is what `brep.masonry` made of the same vault, straight, and thickness, where that is at hand already.
+    `shape` is what `brep.masonry` made of the same vault and thickness, where that is at hand already.
     """
     from families.solid import brep
 
-    if vault.skew is not None:
-        return _skewed(vault, mesh_solid(vault.straight, thickness, tolerance, shape))
     shape = brep.masonry(vault, thickness) if shape is None else shape
     ids = {brep.SIDE: 0, **{name: k for k, name in enumerate((*vault.components, brep.EXTRADOS), 1)}}
     return _meshed(shape, [(face, ids[name]) for face, name in brep.face_names(shape, vault)], tolerance, inward=False)
@@ -70,11 +66,6 @@ def mesh_body(shape: TopoDS_Shape, tolerance: float) -> Mesh:
     from families.solid.occ.shapes import faces
 
     return _meshed(shape, [(face, 0) for face in faces(shape)], tolerance, inward=False)
-
-
-def _skewed(vault: Vault, straight: Mesh) -> Mesh:
-    # Generatrices stay straight, so that long triangles stay as near as they were.
-    return replace(straight, vertices=vault.bent(straight.vertices))
 
 
 def _meshed(shape: TopoDS_Shape, faces: list[tuple[TopoDS_Face, int]], tolerance: float, inward: bool) -> Mesh:

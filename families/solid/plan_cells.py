@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from math import atan2, cos, hypot, pi, sin, sqrt
+from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -213,7 +213,7 @@ class Ground:
         return found
 
     def inner(self, cell: Cell) -> Vector:
-        """A place well within a cell: its middle, or that of a chord across it, whichever is farthest from its boundary."""
+        """A place well within a cell: its middle or that of a chord, whichever is farthest from its boundary."""
         shares = np.array([0.0, 0.5])
         x, y, _, _ = self.outline(cell, shares)
         place = float(x.mean()), float(y.mean())

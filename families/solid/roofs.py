@@ -16,7 +16,7 @@ from families.declaration.plan import Plan, Vector
 from families.declaration.profiles import Arc, Curve
 from families.declaration.units import MM
 from families.solid.boundary import Step
-from families.solid.curves import Bezier, Conic, Path, Point, Straight, arc_poles, arc_weight, point
+from families.solid.curves import Bezier, Conic, Point, Straight, arc_poles, arc_weight, point
 from families.solid.heights import DRAWN, FLAT, TURNED, WIDTH
 from families.solid.plan_cells import SAME_PLACE, Cut, Way
 from families.solid.surfaces import UP, BarrelSide, Drawn, Flat, Moved, Revolved, Round, Sheet

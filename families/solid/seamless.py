@@ -12,7 +12,8 @@ from families.solid.curves import Conic, Straight
 from families.solid.face_net import Net, Patch
 
 Array = NDArray[np.float64]
-SAME_CURVE = 1e-6  # [mm], and of directions
+SAME_CURVE = 1e-6  # [mm]
+SAME_WAY = 1e-9  # of directions
 WIDEST = 3.0  # [rad] that an arc may become
 Edge = tuple[int, int, int, int, int]  # its vertices, and its middle [0.1 mm]
 
@@ -50,7 +51,9 @@ def seamless(patches: list[Patch], net: Net) -> list[Patch]:
             dropped.add(vertex)
     if not dropped:
         return patches
-    return [Patch(patch.sheet, [_folded(loop, dropped, net) for loop in patch.loops], patch.flipped) for patch in patches]
+    return [
+        Patch(patch.sheet, [_folded(loop, dropped, net) for loop in patch.loops], patch.flipped) for patch in patches
+    ]
 
 
 def _edge(start: int, end: int, step: Step) -> Edge:
@@ -64,13 +67,13 @@ def _go_on(first: Step, last: Step) -> bool:
     if isinstance(first, Pole) or isinstance(last, Pole):
         return False
     if isinstance(a, Straight) and isinstance(b, Straight):
-        ways = [np.multiply(s.path.direction, np.sign(s.end - s.start)) for s in (first, last) if isinstance(s.path, Straight)]
-        return bool(np.abs(ways[0] + ways[1]).max() < 1e-9)
+        one, other = (np.sign(step.end - step.start) for step in (first, last))
+        return bool(np.abs(one * np.array(a.direction) + other * np.array(b.direction)).max() < SAME_WAY)
     if isinstance(a, Conic) and isinstance(b, Conic):
         if a is not b:
             if max(abs(a.a - b.a), abs(a.b - b.b), *np.abs(np.subtract(a.centre, b.centre))) > SAME_CURVE:
                 return False
-            if max(*np.abs(np.subtract(a.x, b.x)), *np.abs(np.subtract(a.y, b.y))) > 1e-9:
+            if max(*np.abs(np.subtract(a.x, b.x)), *np.abs(np.subtract(a.y, b.y))) > SAME_WAY:
                 return False
         return (first.end - first.start) * (last.end - last.start) < 0
     return False

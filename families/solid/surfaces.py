@@ -83,7 +83,7 @@ class Flat(Sheet):
 
     def parameters(self, points: Array) -> Array:
         """Places along u and v."""
-        return points @ self._axes  # type: ignore[no-any-return]  # numpy's stubs
+        return points @ self._axes
 
     @staticmethod
     def level(z: float, gradient: Vector = (0.0, 0.0)) -> Flat:
@@ -114,7 +114,7 @@ class BarrelSide:
 
     @cached_property
     def along(self) -> Array:
-        """Vector (3,) along the barrel, a metre in plan: outwards × up, so that normals point outwards; it may climb."""
+        """Vector (3,) along the barrel, a metre in plan, climbing with it: outwards × up, so normals point outwards."""
         x, y = self.part.along
         return -self.sign * np.array([x, y, self.part.slope])
 

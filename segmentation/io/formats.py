@@ -61,6 +61,12 @@ def read(
     0..1.
     Points far from all others are set aside. Raises ReadError (a ValueError) if the file is missing, empty, truncated,
     no point cloud or without valid points, or if it is not clear what its numbers are; ValueError for a keyword.
+
+    >>> cloud = read("examples/room.laz")
+    >>> len(cloud), cloud.xyz.shape, cloud.origin.tolist()
+    (350456, (350456, 3), [0.0, 0.0, 0.0])
+    >>> [note.code for note in cloud.notes]
+    ['unit-assumed']
     """
     path = Path(path)
     if up not in AXES:

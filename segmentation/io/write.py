@@ -44,6 +44,13 @@ def write_cloud(
     public extension for normals and one of ours; PLY and E57 hold colour with eight bits.
     Raises ValueError for an unknown suffix, for arrays of the wrong length, and for points that are not finite where
     the format cannot hold them (LAS, LAZ, E57); OSError if the file cannot be written.
+
+    >>> import tempfile
+    >>> from segmentation import read
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_cloud(f"{folder}/four.ply", np.eye(4, 3))
+    ...     read(f"{folder}/four.ply", unit="m").xyz.tolist()
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]
     """
     path = Path(path)
     if path.suffix.lower() not in WRITERS:

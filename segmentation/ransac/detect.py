@@ -77,6 +77,12 @@ def detect(
 
     Raises:
         ValueError: xyz is not (n, 3), or normals have another shape. Source: Schnabel, Wahl and Klein 2007.
+
+    >>> rng = np.random.default_rng(1)
+    >>> angle, along = rng.uniform(0, np.pi, 5000), rng.uniform(0, 6, 5000)
+    >>> found = detect(np.column_stack([2 * np.cos(angle), along, 2 * np.sin(angle)]))
+    >>> [(type(segment.primitive).__name__, round(segment.primitive.radius, 3)) for segment in found.shapes]
+    [('Cylinder', 2.0)]
     """
     if xyz.ndim != 2 or xyz.shape[1] != 3:
         raise ValueError(f"xyz has shape {xyz.shape}, expected (n, 3)")

@@ -6,7 +6,7 @@ from argparse import Namespace
 import numpy as np
 import pytest
 
-from bench import clouds
+from bench import clouds, tables
 from bench.peers import table
 from bench.peers.job import CLOUD, Job, write_points
 
@@ -25,20 +25,20 @@ def test_points_and_job_come_back_as_they_were(tmp_path):
     assert np.array_equal(normals, case.normals.astype(np.float32))
 
 
-def test_ours_is_measured_on_ideal_and_settled_clouds(capsys):
-    table.run(chosen())
-    rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith("groin")]
-    assert [row.startswith("groin settled") for row in rows] == [False, False, True, True]
-    assert all("4 of 4" in row for row in rows)
+def test_ours_is_measured_on_ideal_and_settled_clouds():
+    shown = tables.show(*table.run(chosen()))
+    assert [row[0] for row in shown.rows] == ["groin", "groin", "groin settled", "groin settled"]
+    names = [column.name for column in shown.columns]
+    assert all(row[names.index("found")] == row[names.index("of")] == 4 for row in shown.rows)
 
 
-def test_an_engine_that_is_missing_is_said_so_once_and_left_out(capsys, monkeypatch):
+def test_an_engine_that_is_missing_is_said_so_once_and_left_out(monkeypatch):
     monkeypatch.setenv("PATH", "")
-    table.run(chosen(peers="cloudcompare"))
-    said = [line for line in capsys.readouterr().out.splitlines() if "CloudCompare" in line]
-    assert said == ["CloudCompare left out: no program CloudCompare: on Debian, apt-get install cloudcompare"]
+    shown = tables.show(*table.run(chosen(peers="cloudcompare")))
+    assert shown.notes == ["CloudCompare left out: no program CloudCompare: on Debian, apt-get install cloudcompare"]
+    assert "CloudCompare" not in {row[1] for row in shown.rows}
 
 
 def test_an_engine_that_is_unknown_is_refused():
     with pytest.raises(SystemExit, match="no engine meshlab; there are ours, paper, cloudcompare"):
-        table.run(chosen(peers="paper,meshlab"))
+        list(table.run(chosen(peers="paper,meshlab")))

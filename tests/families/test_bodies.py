@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, pi
+from math import pi
 
 import numpy as np
 import pytest
@@ -20,20 +20,15 @@ from families import (
     Stilted,
     Trough,
 )
-from families.declaration.vault import IDENTITY
 from families.solid import brep
-from families.solid.barrel_faces import webs
-from families.solid.barrel_slopes import Slope, forget, groin, turning
-from families.solid.body import inside
 from families.solid.boundary import Step
 from families.solid.curves import Bezier, Conic, Straight, arc_parameter, arc_poles, arc_weight, point
 from families.solid.face_net import Net, Patch
 from families.solid.occ.shapes import faces, is_sound, volume
-from families.solid.plan_cells import Cell
 from families.solid.plane_regions import area, regions
 from families.solid.surfaces import Flat
-from families.void import kernel
 from families.void.profile_outline import Bow
+from fuzz.bodies import room_of, stone_of, volume_of
 
 T = 0.15
 
@@ -66,69 +61,15 @@ def test_hard_vaults_have_the_volume_of_the_numeric_surface(vault):
     stone, room = brep.masonry(vault, T), brep.void(vault)
     assert is_sound(stone)
     assert is_sound(room)
-    plan, pieces = vault.plan, vault.pieces()
-    grown = tuple(piece.grown(T) for piece in pieces)
-    half = (plan.half_x + T * plan.on_wall_x, plan.half_y + T * plan.on_wall_y)
-    # Turned domes stand beyond their square.
-    size = np.array([half[0] + T, half[1] + T, max(part.top for piece in grown for part in piece.parts)])
-    points = size * np.random.default_rng(0).uniform((-1, -1, 0), 1, (400_000, 3))
-    whole = 4 * size.prod()
-    for body, within in (
-        (room, inside(pieces, (plan.half_x, plan.half_y), points)),
-        (stone, inside(grown, half, points) & ~inside(pieces, (inf, inf), points)),
-    ):
-        share = within.mean()
-        error = 5 * whole * np.sqrt(share * (1 - share) / len(points))
-        assert volume(body) / 1e9 == pytest.approx(whole * share, abs=error)
-
-
-SLOPES = [
-    (Semicircular(), Semicircular(), 0.0),
-    (Segmental(0.3), Pointed(0.7), 0.0),
-    (BasketHandle(), Elliptical(0.35), 0.0),
-    (Stilted(0.6), Segmental(0.45), 0.0),
-    (Elliptical(0.4943), Elliptical(0.495), 0.0),
-    (Semicircular(), BasketHandle(), 0.2),
-]
-
-
-@pytest.mark.parametrize(("first", "second", "crown"), SLOPES)
-def test_the_line_of_a_groin_lies_on_both_barrels(first, second, crown):
-    vault = Groin(5.0, 4.0, first, second, crown_rise_ratio=crown)
-    x, y = (piece.parts[0] for piece in vault.pieces())
-    pair = Slope(x, 1, 0.0, x.curve.half_span, y), Slope(y, 1, 0.0, y.curve.half_span, x)
-    line = groin(*pair, inf)
-    assert line.curves
-    for curve in line.curves:
-        u, v, z = curve.points(np.linspace(0, curve.end, 500)).T / 1000
-        for piece in vault.pieces():
-            table = kernel.pack((piece,), vault.components)
-            distance = kernel.distances(np.stack([u, v, z], axis=1), IDENTITY, table, kernel.pack_plan(None))
-            assert np.abs(distance).max() < 1e-8
-    top, foot = line.knots[0], line.knots[-1]
-    assert min(top) == 0.0
-    assert foot[0] == pytest.approx(2.5) or foot[1] == pytest.approx(2.0)
-
-
-def test_a_crown_that_rises_from_the_axis_on_parts_the_cell_there():
-    x, y = (piece.parts[0] for piece in Groin(4.0, 4.0, Stilted(1.2), Stilted(1.2), crown_rise_ratio=0.3).pieces())
-    slope = Slope(x, 1, 0.0, x.curve.half_span, y)
-    place = turning(slope)
-    assert place is not None
-    beside = slope.level(place + np.array([-0.01, 0.0, 0.01]))
-    assert beside.argmax() == 1
-    assert turning(Slope(x, 1, place, x.curve.half_span, y)) is None
-
-
-def test_a_cell_behind_all_walls_shows_nothing():
-    pieces = Groin(4.0, 4.0, offset_x_ratio=0.2, offset_y_ratio=0.2).pieces()
-    assert not list(webs(pieces, Cell((2.1, 2.8), (2.1, 2.8), 0.0, 3.0), (inf, inf)))
+    for body, within in ((room, room_of(vault)), (stone, stone_of(vault, T))):
+        size, deviation = volume_of(vault, within, T)
+        assert volume(body) / 1e9 == pytest.approx(size, abs=5 * deviation)
 
 
 @pytest.mark.parametrize(
     "path",
     [
-        Straight(1, (100.0, 0.0, 50.0)),
+        Straight.through((100.0, 7.0, 50.0), (0.0, 0.6, 0.8)),
         Conic((1.0, 2.0, 3.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), 2000.0, 2000.0),
         Conic((1.0, 2.0, 3.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0), 3000.0, 1000.0),
         Bezier(np.array([[0.0, -500, 0], [0.0, 0, 300], [0.0, 500, 0]])),
@@ -157,35 +98,38 @@ def test_a_bezier_arc_is_a_conic_with_another_parameter():
 def square(size: float, reverse: bool = False) -> list[Step]:
     corners = size * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)
     steps = []
-    for k, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
-        path = Straight.through(point(start), k % 2)
+    for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        path = Straight.between(point(start), point(end))
         steps.append(Step(path, path.parameter(point(start)), path.parameter(point(end))))
     return [step.reversed for step in steps[::-1]] if reverse else steps
 
 
 def test_regions_have_their_holes_and_are_told_from_islands():
     steps = [*square(10), *square(5, reverse=True), *square(2)]
-    found = regions(Flat(2, 0.0), steps[::2] + steps[1::2])
+    steps = steps[::2] + steps[1::2]
+    net = Net()
+    found = regions(Flat.level(0.0).parameters, steps, [net.ends(step) for step in steps])
     assert sorted(len(loops) for loops in found) == [1, 2]
     outlines = [np.concatenate([step.places[:1, :2] for step in loops[0]]) for loops in found]
     assert sorted(abs(area(outline)) for outline in outlines) == [16, 400]
 
 
 def test_a_boundary_with_a_gap_is_refused():
+    net, steps = Net(), square(10)[:3]
     with pytest.raises(ValueError, match=r"do not close at .* m; change a parameter"):
-        regions(Flat(2, 0.0), square(10)[:3])
+        regions(Flat.level(0.0).parameters, steps, [net.ends(step) for step in steps])
 
 
 def test_an_edge_is_cut_where_another_ends_on_it_and_is_shared():
     net = Net()
-    plane, line = Flat(2, 0.0), Straight(0, (0.0, 10.0, 0.0))
+    plane, line = Flat.level(0.0), Straight((1.0, 0.0, 0.0), (0.0, 10.0, 0.0))
     net.vertex(np.array([3.0, 10.0, 0.0]))
     (loop,) = net.cut([[Step(line, -10.0, 10.0)]])
     assert [(step.start, step.end) for step in loop] == [(-10, 3), (3, 10)]
     first, last = (net.edge(step) for step in loop)
     assert net.edge(Step(line, 10.0, 3.0)) == (last[0], False)
     assert net.edge(Step(line, -10.0, 3.0)) == first
-    assert net.edge(Step(Straight(0, (0.0, 50.0, 0.0)), 4.0, 4.0 + 1e-5)) is None
+    assert net.edge(Step(Straight((1.0, 0.0, 0.0), (0.0, 50.0, 0.0)), 4.0, 4.0 + 1e-5)) is None
     net.add(Patch(plane, net.cut([square(10)])))
     assert len(net.edges) == 5
     with pytest.raises(ValueError, match="gap"):
@@ -205,15 +149,12 @@ def test_faces_share_edges_and_cells_are_joined_without_sewing():
 
 
 def test_a_body_is_the_same_to_the_last_digit_whatever_was_built_before(tmp_path):
-    """Copies of a groin share what they have in common: the lunettes of one vault must not be traced for another's."""
     from OCP.BRepTools import BRepTools
 
     def written(name):
         BRepTools.Write_s(brep.masonry(Lunette(count=2, pitch_ratio=0.8), T), str(tmp_path / name))
         return (tmp_path / name).read_bytes()
 
-    forget()
     first = written("first")
-    forget()
     brep.masonry(Lunette(count=2, pitch_ratio=0.8, shift_ratio=0.37), T)
     assert written("second") == first

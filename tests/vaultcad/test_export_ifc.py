@@ -6,14 +6,16 @@ import json
 import subprocess
 import sys
 from math import radians
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from families import FAMILIES
+from families import FAMILIES, family
 from vaultcad.export.geometry import bodies, masonry
 from vaultcad.export.ifc import write_ifc
 from vaultcad.export.palette import colour
+from vaultcad.model import Assembly, PlacedVault, Pose
 
 IDS = [cls.id for cls in FAMILIES]
 
@@ -212,3 +214,20 @@ def test_what_a_file_held_is_given_back(make_model, tmp_path):
         gc.collect()
         used.append(told().numbers[4] + told().numbers[7])
     assert (used[12] - used[2]) / 10 < 120_000
+
+
+def test_a_vault_that_was_drawn_is_told_without_figures_of_a_fit(tmp_path):
+    import ifcopenshell
+
+    placed = PlacedVault(family("groin")(), Pose(1.0, 2.0, 3.0, radians(25)), label="Nave", thickness=0.2)
+    drawn = Assembly(scan=Path("church"), origin=np.zeros(3), vaults=(placed,))
+    for name in ("one.ifc", "other.ifc"):
+        write_ifc(drawn, tmp_path / name)
+    assert (tmp_path / "one.ifc").read_bytes() == (tmp_path / "other.ifc").read_bytes()
+    file = ifcopenshell.open(str(tmp_path / "one.ifc"))
+    (roof,) = file.by_type("IfcRoof")
+    assert (roof.Name, roof.Description) == ("Nave", None)
+    assert not [found for found in file.by_type("IfcPropertySet") if found.Name == "VaultCAD_Deviation"]
+    told = properties(roof, "VaultCAD_Parameters")
+    assert told["rise"] == pytest.approx(2.5)
+    assert "confidence" not in told

@@ -176,3 +176,12 @@ def test_the_page_is_no_wider_than_a_phone(every_family, page, tmp_path):
         [chromium, *flags, (tmp_path / "phones.html").as_uri()], capture_output=True, text=True, timeout=120, check=True
     )
     assert re.search("<title>(.*?)</title>", done.stdout)[1] == " ".join("0" for _ in widths)
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_the_terms_of_its_family_are_explained_and_no_others(make_model, page, name):
+    text, _ = page(make_model(name))
+    explained = set(re.findall(r"<dt>([a-z]+)</dt>", text))
+    for cls in FAMILIES:
+        terms = {term for term, _ in cls.glossary}
+        assert explained & terms == (terms if cls.id == name else set())

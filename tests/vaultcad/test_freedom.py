@@ -23,7 +23,7 @@ from families.declaration.constraints import Constraint
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
 from vaultcad.fit.demands import constraints_of, demand, sizes_of
-from vaultcad.fit.freedom import DECIDES, SPRINGING, Demands
+from vaultcad.fit.freedom import SPRINGING, Demands, decides
 from vaultcad.model import FittedVault, Pose
 from vaultcad.pipeline import FitSettings, fit_scan
 
@@ -183,7 +183,7 @@ def test_a_constraint_that_the_scan_refutes_is_let_go() -> None:
 
 def test_all_families_share_the_springing_and_know_what_decides_a_rise() -> None:
     assert all(constraints_of(cls)[0] is SPRINGING for cls in FAMILIES)
-    assert all("rise" in DECIDES[cls.id] or cls is Groin for cls in FAMILIES)
+    assert all("rise" in decides(cls) or cls is Groin for cls in FAMILIES)
 
 
 @pytest.mark.parametrize(("cls", "constraint"), CONSTRAINED, ids=lambda value: getattr(value, "name", value))

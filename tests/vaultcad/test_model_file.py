@@ -10,8 +10,8 @@ from families import FAMILIES, Groin, Pointed, Vault, family
 from families.declaration.corners import Skew
 from vaultcad.errors import ModelFileError
 from vaultcad.export.report_json import report
-from vaultcad.model import Covariance, Rival
-from vaultcad.model_file import fitted_vault, plain_model, plain_vault, read_model, write_model
+from vaultcad.model import Covariance, PlacedVault, Rival
+from vaultcad.model_file import placed_vault, plain_model, plain_vault, read_model, write_model
 
 VAULTS = {cls.id: cls() for cls in FAMILIES} | {
     "skewed groin": replace(family("groin")(), skew=Skew(shear=0.1, taper_x=-0.05)),
@@ -117,6 +117,7 @@ def test_an_edit_is_in_all_numbers_and_said(model, tmp_path):
         ({"schema": 2}, "schema = 2 is not known; this version reads 1"),
         ({"vault__pose": {"x": 0}}, "y is missing"),
         ({"vault__estimates__span_x": 4}, "mend the file"),
+        ({"vault__deviation": None}, "deviation = None is no measure"),
     ],
 )
 def test_a_wrong_edit_is_refused_with_field_value_and_range(model, tmp_path, changes, said):
@@ -134,8 +135,7 @@ def test_what_is_no_model_is_refused(tmp_path, text):
 
 def test_a_vault_that_was_never_fitted_needs_a_pose_alone(model):
     told = {**Groin().plain(), "pose": plain_vault(model.vaults[0])["pose"]}
-    fitted = fitted_vault(told)
-    assert fitted.vault == Groin()
-    assert fitted.components == ()
+    assert placed_vault(told) == PlacedVault(Groin(), model.vaults[0].pose)
+    assert placed_vault({**told, "thickness": 0.2, "label": "Nave"}).label == "Nave"
     with pytest.raises(KeyError, match="pose"):
-        fitted_vault(Groin().plain())
+        placed_vault(Groin().plain())

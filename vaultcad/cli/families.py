@@ -10,8 +10,6 @@ from vaultcad.cli.errors import refusing
 from vaultcad.cli.options import single, span, with_unit
 from vaultcad.cli.tables import show_table
 
-LANGUAGES = {"it": "Italian", "fr": "French", "de": "German", "es": "Spanish"}
-
 
 def command() -> Any:
     """The command for the program."""
@@ -39,6 +37,7 @@ def families(
 
 
 def _show_family(cls: Any) -> None:
+    from families.declaration.facts import LANGUAGES
     from families.declaration.parameters import derived_declarations
     from vaultcad.fit.demands import constraints_of
 

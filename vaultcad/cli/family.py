@@ -8,9 +8,9 @@ from typing import Any
 
 from typer.core import TyperCommand, TyperGroup
 
-from families import FAMILIES, PROFILES, Profile, Vault, family, profile
-from families.declaration.lengths import RATIOS, with_lengths
-from families.declaration.parameters import Parameter
+from families import FAMILIES, PROFILES, Vault, family, profile
+from families.declaration.lengths import with_lengths
+from families.declaration.parameters import Parameter, flat_name
 from vaultcad.cli.errors import InputError, refusing
 from vaultcad.cli.lengths import length_options
 from vaultcad.cli.options import Option, flag, number, read, single, span, with_options
@@ -39,13 +39,12 @@ class FamilyGroup(TyperGroup):
 def vault_options(cls: type[Vault]) -> list[Option]:
     """One option for each parameter and each profile of a family, and for each parameter that some profile has."""
     default = cls()
-    values, own = default.values(), {p.path[0]: p for p in default.parameters()}
+    values, own, arches = default.values(), {p.path[0]: p for p in default.parameters()}, default.profiles
     options = []
     for name in (field.name for field in fields(cls)):
-        value = getattr(default, name)
-        if isinstance(value, Profile):
+        if name in arches:
             names = ", ".join(p.id for p in PROFILES)
-            options.append(Option(name, str, f"one of {names}; default {value.id}", "NAME", PANEL))
+            options.append(Option(name, str, f"one of {names}; default {arches[name].id}", "NAME", PANEL))
             options += _profile_options(name)
         elif name in own:
             p = own[name]
@@ -60,24 +59,24 @@ def vault_of(cls: type[Vault], declared: Mapping[str, Any]) -> Vault:
         InputError: an unknown profile, or a parameter of a profile that is outside its range or that it does not have.
     """
     vault = cls()
-    for name in _profile_fields(vault):
+    for name in vault.profiles:
         if name in declared:
             with refusing():
                 vault = vault.with_arches({name: profile(declared[name])()})
     limits = {p.name: p.range for p in vault.parameters()}
     values = {p.name: declared[p.name] for p in vault.parameters() if p.path[1:] == () and p.name in declared}
-    for field in _profile_fields(vault):
+    for field in vault.profiles:
         for name, of in _profile_parameters(field).items():
             if name in declared and name not in limits:
-                own, having = getattr(vault, field).id, ", ".join(of)
+                own, having = vault.kinds[field], ", ".join(of)
                 raise InputError(
                     f"{flag(name)} {declared[name]}: a {own} profile has no such parameter; "
                     f"add {flag(field)} with one of {having}"
                 )
             if name in declared:
                 values[name] = read(declared[name], name, limits[name])
-    lengths = {name: declared[name] for name in RATIOS[cls.id] if name in declared}
-    for name, ratio in RATIOS[cls.id].items():
+    lengths = {name: declared[name] for name in cls.ratios if name in declared}
+    for name, ratio in cls.ratios.items():
         if name in lengths and ratio in declared:
             raise InputError(f"{flag(name)} and {flag(ratio)} say the same; leave one out")
     vault = vault.replaced(values)
@@ -87,16 +86,12 @@ def vault_of(cls: type[Vault], declared: Mapping[str, Any]) -> Vault:
     return vault
 
 
-def _profile_fields(vault: Vault) -> list[str]:
-    return list(vault.profiles)
-
-
 def _profile_parameters(field: str) -> dict[str, dict[str, Parameter]]:
     """Flat parameter name of a profile field -> profile id -> declaration, over all profiles."""
     found: dict[str, dict[str, Parameter]] = {}
     for cls in PROFILES:
         for p in cls().parameters():
-            found.setdefault(field.replace("profile", p.name), {})[cls.id] = p
+            found.setdefault(flat_name(field, p.name), {})[cls.id] = p
     return found
 
 

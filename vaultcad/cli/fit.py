@@ -140,7 +140,7 @@ def _families(name: str) -> Any:
     from families import family as named
 
     if name == "auto":
-        return FAMILIES
+        return tuple(FAMILIES)
     with refusing():
         return (named(name),)
 

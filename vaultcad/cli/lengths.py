@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from families import Vault
-from families.declaration.lengths import RATIOS
 from families.declaration.parameters import derived_declarations
 from vaultcad.cli.options import Bounds, Option, flag, read
 
@@ -19,4 +18,4 @@ def length_options(cls: type[Vault], panel: str) -> list[Option]:
         text = f"{limits.meaning}; in place of {flag(ratio)}"
         return Option(name, float, text, "M", panel, lambda text: read(text, name, limits))
 
-    return [option(name, ratio) for name, ratio in RATIOS[cls.id].items()]
+    return [option(name, ratio) for name, ratio in cls.ratios.items()]

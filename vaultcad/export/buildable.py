@@ -1,42 +1,45 @@
-"""A vault that OpenCASCADE can build, no farther from a fitted one than a scan can tell."""
+"""A vault that OpenCASCADE can build, no farther from the one that is asked for than a scan can tell."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 
 from families import Profile, Semicircular, Vault
 from segmentation.notes import Note
 from vaultcad.export.geometry import cut, exact, masonry
-from vaultcad.model import Model
+from vaultcad.model import Assembly, PlacedVault
 
 NUDGES = (0.0, 1e-5, -1e-5, 3e-5, -3e-5)  # of the first parameter, twice that of the second, and so on
 FURTHER = (1e-4, -1e-4, 3e-4, -3e-4, 1e-3, -1e-3)  # where that is not enough: some millimetres
 ROUND = 2e-3  # of the span, that the rise of an arch which is taken for a semicircle may be off
 PLACES = 2000  # at which two vaults are compared
+Placed = TypeVar("Placed", bound=Assembly)
 WITHOUT = "model.step is without it; the meshes of the other files follow it, but at edges are up to 4 cm off"
 
 
-def buildable(model: Model) -> Model:
-    """The model with vaults that can be built, and notes on those that had to be changed for it.
+def buildable(model: Placed) -> Placed:
+    """The same with vaults that can be built, and notes on those that had to be changed for it.
 
     Where surfaces touch just so that they cannot be, sizes are nudged; arches that all but are semicircles become them.
     A vault that cannot be built even so stays as it is, without a solid.
     """
-    vaults, notes = [], list(model.notes)
-    for k, fitted in enumerate(model.vaults, 1):
-        thickness = model.thickness_of(fitted)
-        built = _built(fitted.vault, thickness)
+    vaults: list[PlacedVault] = []
+    notes = list(model.notes)
+    for k, placed in enumerate(model.vaults, 1):
+        thickness = model.thickness_of(placed)
+        built = _built(placed.vault, thickness)
         which = f" {k}" if len(model.vaults) > 1 else ""
         if built is None:
-            vaults.append(replace(fitted, solid=False))
-            notes.append(Note("unbuilt", f"vault{which}: {refusal(fitted.vault, thickness)}; {WITHOUT}"))
+            vaults.append(replace(placed, solid=False))
+            notes.append(Note("unbuilt", f"vault{which}: {refusal(placed.vault, thickness)}; {WITHOUT}"))
             continue
-        vaults.append(replace(fitted, vault=built))
-        if built is not fitted.vault:
-            off = 1000 * _apart(fitted.vault, built)
+        vaults.append(replace(placed, vault=built))
+        if built is not placed.vault:
+            off = 1000 * _apart(placed.vault, built)
             why = f"off the fitted {built.title}, which cannot be built just so"
             notes.append(Note("nudged", f"vault{which}: its body is up to {off:.2g} mm {why}"))
     return replace(model, vaults=tuple(vaults), notes=tuple(notes))

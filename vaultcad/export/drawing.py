@@ -1,78 +1,115 @@
-"""Plan and sections of a fitted vault as SVG, drawn from its triangulated bodies, with the scan's points on the cut."""
+"""Plan, map of deviations and sections of a fitted vault, drawn from its triangulated bodies and the scan's points."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
+from families.drawing.deviation_colours import CONVENTION, UNKNOWN, shades
+from families.drawing.looks import LETTER, OUTSIDE, SLAB
+from families.drawing.section import PLANES, CutPlane, measured
+from families.drawing.sheet import Drawing
 from vaultcad.export.geometry import Body, Floats, bodies, loops, shell
-from vaultcad.export.svg import Drawing
-from vaultcad.model import FittedVault
+from vaultcad.export.palette import colour
+from vaultcad.export.seen import Seen
 
 OFF_CENTRE = 1e-5  # [m] beside the middle, where triangles end
-SLICE = 0.03  # [m] to either side of a section from which points are shown
-MOST_POINTS = 4000
+ENLARGED = 10  # deviations in sections are drawn so many times
 
 
-@dataclass(frozen=True)
-class CutPlane:
-    """A vertical section through the middle: across which axis (0 or 1), its letter, and to which side it looks."""
-
-    axis: int
-    letter: str
-    looks: int
-
-    @property
-    def across(self) -> int:
-        """The axis that is drawn from left to right."""
-        return 1 - self.axis
-
-
-PLANES = (CutPlane(1, "A", +1), CutPlane(0, "B", -1))
-
-
-def plan(fitted: FittedVault, thickness: float) -> Drawing:
-    """The components seen from above, with the lines of both sections and the clear sizes."""
-    mesh, box = shell(fitted.vault, thickness), fitted.vault.plan
-    half = np.array([box.half_x, box.half_y])
-    reach = half + thickness * np.array([box.on_wall_x, box.on_wall_y])
-    drawing = Drawing(-reach, reach, f"Plan of the {fitted.vault.title}")
-    for k, name in enumerate(fitted.vault.components, 1):
-        rows = [mesh.vertices[row][:, :2] for row in loops(mesh.triangles[mesh.component == k])]
-        drawing.shape(rows, k, name)
+def plan(seen: Seen, *, scanned: bool = False) -> Drawing:
+    """The components seen from above, or instead the scan's points on them; lines of both sections, and clear sizes."""
+    title = (
+        "Plan: components; grey: walls at the springing" if scanned else "Plan: components and clear sizes in metres"
+    )
+    low, high = _stone_box(seen)
+    drawing = Drawing(low, high, title)
+    if scanned:
+        drawing.dots(seen.walls[:, :2], "scan-closer")
+        drawing.dots(seen.points[seen.on, :2], "scan", component_colours(seen))
+        _edges(drawing, seen)
+    else:
+        for k, name in enumerate(seen.vault.components, 1):
+            drawing.area(_borders(seen, k), "stone", colour(k), name)
     for plane in PLANES:
-        end = np.zeros(2)
-        end[plane.across] = reach[plane.across] + 0.4 * drawing.margin
-        drawing.line(-end, end, "cutting")
-        for sign in (-1, 1):
-            drawing.text(sign * end * (1 + 0.25 * drawing.margin / end.max()), plane.letter, "letter")
-    x, y = reach + 0.5 * drawing.margin
-    drawing.dimension((-half[0], -y), (half[0], -y))
-    drawing.dimension((x, -half[1]), (x, half[1]))
+        ends = np.zeros((2, 2))
+        ends[:, plane.across] = low[plane.across], high[plane.across]
+        out = np.array([[-1.0], [1.0]]) * np.eye(2)[plane.across] * drawing.margin
+        drawing.line(ends + 0.12 * out, "cutting")
+        for end in ends + 0.3 * out:
+            drawing.text(end, plane.letter, "letter")
+    (x0, x1), (y0, y1) = (plane.clear(seen.vault) for plane in PLANES)
+    below, right = low[1] - OUTSIDE * drawing.margin, high[0] + OUTSIDE * drawing.margin
+    drawing.dimension((x0, below), (x1, below))
+    drawing.dimension((right, y0), (right, y1))
     return drawing
 
 
-def section(fitted: FittedVault, thickness: float, plane: CutPlane, points: Floats) -> Drawing:
-    """The stone cut through the middle, edges beyond the cut, and the points (n, 3) [m] near it, in the local frame."""
-    vault, pieces = fitted.vault, bodies(fitted.vault, thickness)
-    edges, half = _beyond(fitted, thickness, plane), (vault.plan.half_x, vault.plan.half_y)[plane.across]
-    cuts = [[row[:, [plane.across, 2]] for row in cut(body, plane.axis, OFF_CENTRE)] for body in pieces]
-    feet = np.array([[-half, 0.0], [half, 0.0]])
-    outline = np.concatenate([feet, *edges, *(row for rows in cuts for row in rows)])
-    drawing = Drawing(outline.min(axis=0), outline.max(axis=0), f"Section {plane.letter}–{plane.letter}: {vault.title}")
-    for row in edges:
-        drawing.row(row, "beyond")
+def deviations(seen: Seen) -> Drawing:
+    """Mean deviation a cell of the plan, with its scale; grey where the scan saw nothing of the model."""
+    drawing = Drawing(*_stone_box(seen), f"Deviation: {CONVENTION}; grey: no points")
+    for k in range(1, len(seen.vault.components) + 1):
+        drawing.area(_borders(seen, k), "unseen", UNKNOWN)
+    drawing.cells(*seen.box, seen.stepped(seen.map()), seen.limit)
+    _edges(drawing, seen)
+    drawing.scale(seen.limit)
+    return drawing
+
+
+def section(seen: Seen, plane: CutPlane) -> Drawing:
+    """The stone cut through the middle and, behind it, nearer to the wall that the section looks to; the points near.
+
+    Those at the middle come a second time in colour, with their deviations enlarged.
+    """
+    vault, closer, (left, right) = seen.vault, plane.closer(seen.vault), plane.clear(seen.vault)
+    pieces = bodies(vault, seen.thickness)
+    cuts, behind = ([_cut_rows(body, plane, at) for body in pieces] for at in (OFF_CENTRE, closer))
+    outline = np.concatenate([[[left, 0.0], [right, 0.0]], *(row for rows in (*cuts, *behind) for row in rows)])
+    thick = f"stone, taken as {100 * seen.thickness:g} cm thick; grey: nearer the wall"
+    dots = f"; dots: the scan within {100 * SLAB:g} cm of the cut; in colour: deviations × {ENLARGED}"
+    title = f"Section {plane.letter}–{plane.letter}: {thick}{dots if len(seen.points) else ''}"
+    drawing = Drawing(outline.min(axis=0), outline.max(axis=0), title)
+    for row in (row for rows in behind for row in rows):
+        drawing.line(row, "closer")
     for body, rows in zip(pieces, cuts, strict=True):
-        drawing.shape(rows, body.id, body.name)
-    drawing.dots(_near(fitted, plane, points))
-    out = 0.5 * drawing.margin
-    drawing.line((drawing.low[0] - out, 0.0), (drawing.high[0] + out, 0.0), "springing")
-    drawing.dimension((-half, -out), (half, -out))
-    crown = min((_crossing(row) for rows in cuts for row in rows), default=np.inf)
-    if 0 < crown < np.inf:
-        drawing.dimension((drawing.high[0] + out, 0.0), (drawing.high[0] + out, crown))
+        drawing.area(rows, "stone", colour(body.id), body.name)
+    drawing.dots(plane.drawn(seen.points[plane.near(seen.points, closer)]), "scan-closer")
+    near = plane.near(seen.points)
+    drawing.dots(plane.drawn(seen.points[near]), "scan")
+    on = near[seen.on[near]]
+    drawing.dots(plane.drawn(_enlarged(seen, on)), "deviation", shades(seen.stepped(seen.deviation[on]), seen.limit))
+    measured(drawing, vault, plane)
     return drawing
+
+
+def overview(found: Sequence[Seen]) -> Drawing:
+    """The plans of several vaults where they stand in the scan, in its local frame, with their numbers."""
+    outs = [seen.fitted.pose.placement()[:2] for seen in found]
+    placed = [_flat(seen.vault.corners) @ out[:, :3].T + out[:, 3] for seen, out in zip(found, outs, strict=True)]
+    corners = np.concatenate(placed)
+    drawing = Drawing(corners.min(axis=0), corners.max(axis=0), "Plan: components; grey: walls at the springing")
+    for seen, out in zip(found, outs, strict=True):
+        drawing.dots(seen.walls @ out[:, :3].T + out[:, 3], "scan-closer")
+        drawing.dots(seen.points[seen.on] @ out[:, :3].T + out[:, 3], "scan", component_colours(seen))
+        for row in _all_borders(seen):
+            drawing.line(_flat(row) @ out[:, :3].T + out[:, 3], "edge")
+    for k, (seen, out) in enumerate(zip(found, outs, strict=True), 1):
+        up = np.array([0.0, LETTER / 4 * drawing.margin])
+        drawing.text(out[:, 3] + up, f"{k}  {seen.vault.title}", "label")
+        drawing.text(out[:, 3] - up, f"rms {1000 * seen.fitted.deviation.rms:.0f} mm", "label")
+    low, high = drawing.low.tolist(), drawing.high.tolist()
+    drawing.dimension((low[0], low[1] - OUTSIDE * drawing.margin), (high[0], low[1] - OUTSIDE * drawing.margin))
+    return drawing
+
+
+def component_colours(seen: Seen) -> NDArray[np.uint8]:
+    """Red, green, blue (m, 3) of the points on the vault, by component."""
+    kinds = [colour(k) for k in range(len(seen.vault.components) + 1)]
+    table = np.array([(c.red, c.green, c.blue) for c in kinds], dtype=np.uint8)
+    found: NDArray[np.uint8] = table[seen.component[seen.on]]
+    return found
 
 
 def cut(body: Body, axis: int, at: float) -> list[Floats]:
@@ -100,30 +137,45 @@ def cut(body: Body, axis: int, at: float) -> list[Floats]:
     return rows
 
 
-def _crossing(row: Floats) -> float:
-    """Lowest height [m] at which an outline (n, 2) crosses the middle; infinite if it does not."""
-    u, z = row.T
-    after = np.roll(np.arange(len(u)), -1)
-    at = np.flatnonzero((u > OFF_CENTRE) != (u[after] > OFF_CENTRE))
-    share = (OFF_CENTRE - u[at]) / (u[after[at]] - u[at])
-    return float(np.min(z[at] + share * (z[after[at]] - z[at]), initial=np.inf))
+def _cut_rows(body: Body, plane: CutPlane, at: float) -> list[Floats]:
+    """Closed rows (n, 2) of a body in a section."""
+    rows = [plane.drawn(row) for row in cut(body, plane.axis, at)]
+    return [np.concatenate([row, row[:1]]) for row in rows]
 
 
-def _beyond(fitted: FittedVault, thickness: float, plane: CutPlane) -> list[Floats]:
-    """Borders of the components on the side that a section looks to, as rows (n, 2)."""
-    mesh, rows = shell(fitted.vault, thickness), []
-    for k in range(1, len(fitted.vault.components) + 1):
-        for loop in loops(mesh.triangles[mesh.component == k]):
-            ring = mesh.vertices[[*loop, loop[0]]]
-            seen = plane.looks * ring[:, plane.axis] > -OFF_CENTRE
-            runs = np.split(np.arange(len(ring)), np.flatnonzero(np.diff(seen)) + 1)
-            rows += [ring[run][:, [plane.across, 2]] for run in runs if seen[run[0]] and len(run) > 1]
-    return rows
+def _enlarged(seen: Seen, of: NDArray[np.intp]) -> Floats:
+    """Points (m, 3) of the vault where they would be if they were off it by so many times as much."""
+    mine = seen.points[of]
+    if not len(mine):
+        return mine
+    moved: Floats = mine + (ENLARGED - 1) * seen.deviation[of, None] * seen.vault.evaluate(mine).normal
+    return moved
 
 
-def _near(fitted: FittedVault, plane: CutPlane, points: Floats) -> Floats:
-    """The points (n, 2) within a slice about the section, thinned."""
-    frame = fitted.pose.frame()
-    local = points @ frame[:, :3].T + frame[:, 3]
-    near = local[np.abs(local[:, plane.axis]) < SLICE][:, [plane.across, 2]]
-    return near[:: max(1, -(-len(near) // MOST_POINTS))]
+def _stone_box(seen: Seen) -> tuple[Floats, Floats]:
+    """The lower and the upper corner (2,) [m] of what the masonry covers."""
+    vertices = shell(seen.vault, seen.thickness).vertices[:, :2]
+    return vertices.min(axis=0), vertices.max(axis=0)
+
+
+def _borders(seen: Seen, component: int) -> list[Floats]:
+    """Of a component in plan, as closed rows (n, 2)."""
+    mesh = shell(seen.vault, seen.thickness)
+    return [mesh.vertices[[*row, row[0]], :2] for row in loops(mesh.triangles[mesh.component == component])]
+
+
+def _all_borders(seen: Seen) -> Iterator[Floats]:
+    """Of all components, without what of them lies in the mouths of lunettes."""
+    for k in range(1, len(seen.vault.components) + 1):
+        for row in _borders(seen, k):
+            yield np.clip(row, *seen.box)
+
+
+def _edges(drawing: Drawing, seen: Seen) -> None:
+    for row in _all_borders(seen):
+        drawing.line(row, "edge")
+
+
+def _flat(row: Floats) -> Floats:
+    """Points (n, 2) on the springing, (n, 3)."""
+    return np.column_stack([row, np.zeros(len(row))])

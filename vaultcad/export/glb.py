@@ -11,7 +11,7 @@ import numpy as np
 from families.solid.mesh import Mesh
 from vaultcad.export.geometry import Floats, Triangles, shell
 from vaultcad.export.palette import Colour, colour
-from vaultcad.model import FittedVault, Model
+from vaultcad.model import Assembly, PlacedVault
 
 if TYPE_CHECKING:
     import trimesh
@@ -20,24 +20,24 @@ if TYPE_CHECKING:
 Y_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype=np.float64)
 
 
-def write_glb(model: Model, path: Path) -> None:
-    """Write all vaults of a model; where there are several, nodes begin with their number and label."""
+def write_glb(model: Assembly, path: Path) -> None:
+    """Write all vaults; where there are several, nodes begin with their number and label."""
     import trimesh
 
     scene = trimesh.Scene()
-    for k, fitted in enumerate(model.vaults, 1):
-        prefix = f"{k} {fitted.label}".rstrip() + "/" if len(model.vaults) > 1 else ""
-        for name, part in _parts(fitted, model.thickness_of(fitted)):
+    for k, placed in enumerate(model.vaults, 1):
+        prefix = f"{k} {placed.label}".rstrip() + "/" if len(model.vaults) > 1 else ""
+        for name, part in _parts(placed, model.thickness_of(placed)):
             scene.add_geometry(part, node_name=prefix + name, geom_name=prefix + name)
     scene.metadata["origin"] = model.origin.tolist()  # becomes the extras of the scene
     scene.metadata["crs"] = None if model.crs is None else model.crs.title
     path.write_bytes(scene.export(file_type="glb", include_normals=True))
 
 
-def _parts(fitted: FittedVault, thickness: float) -> Iterator[tuple[str, trimesh.Trimesh]]:
+def _parts(placed: PlacedVault, thickness: float) -> Iterator[tuple[str, trimesh.Trimesh]]:
     """Intrados by component, with smooth normals; then the rest of the stone, with those of its triangles."""
-    mesh, names = shell(fitted.vault, thickness), fitted.vault.components
-    place = Y_UP @ fitted.pose.placement()
+    mesh, names = shell(placed.vault, thickness), placed.vault.components
+    place = Y_UP @ placed.pose.placement()
     for k, name in enumerate(names, 1):
         patch = mesh.component == k
         if patch.any():

@@ -13,24 +13,21 @@ from typing import Any
 
 import numpy as np
 
-from families import Barrel, Dome, Lunette, Vault
 from segmentation.io.stamp import stamp
 from vaultcad.export.geometry import Body, bodies
 from vaultcad.export.ifc_author import Author, Entity
 from vaultcad.export.palette import colour
-from vaultcad.model import Component, Deviation, FittedVault, Model
+from vaultcad.model import Assembly, Component, Deviation, FittedVault, PlacedVault
 
-# IFC's PAVILION_ROOF is a hipped roof, no cloister vault: what is neither barrel nor dome is user defined.
-ROOF_TYPES: dict[type[Vault], str] = {Barrel: "BARREL_ROOF", Lunette: "BARREL_ROOF", Dome: "DOME_ROOF"}
 STATUS = ("NEW", "EXISTING", "DEMOLISH", "TEMPORARY", "OTHER", "NOTKNOWN", "UNSET")  # PEnum_ElementStatus
 
 
-def write_ifc(model: Model, path: Path) -> None:
-    """Write the model as IFC4, metres and radians, relative to `model.origin`, which is kept as IfcMapConversion.
+def write_ifc(model: Assembly, path: Path) -> None:
+    """Write all vaults as IFC4, metres and radians, relative to `model.origin`, which is kept as IfcMapConversion.
 
-    GlobalIds follow from the scan and the place of the entity in the file, so that a second run changes no id.
+    GlobalIds follow from `model.identity` and the place of the entity in the file, so that a second run changes no id.
     """
-    author = Author(seed=f"{model.scan.name}/{model.points}/{model.bounds.round(3).tolist()}")
+    author = Author(seed=model.identity)
     _header(author, model)
     project = author.root(
         "IfcProject",
@@ -42,7 +39,7 @@ def write_ifc(model: Model, path: Path) -> None:
     if model.origin.any() or model.crs is not None:
         _map(author, model)
     storey = _spaces(author, project)
-    roofs = [_roof(author, fitted, f"vault {k}", storey, model) for k, fitted in enumerate(model.vaults, 1)]
+    roofs = [_roof(author, placed, f"vault {k}", storey, model) for k, placed in enumerate(model.vaults, 1)]
     author.relate(
         "IfcRelContainedInSpatialStructure", "in storey", ("RelatingStructure", storey), ("RelatedElements", roofs)
     )
@@ -50,7 +47,7 @@ def write_ifc(model: Model, path: Path) -> None:
     path.write_text(author.text(), encoding="utf-8", newline="\n")
 
 
-def _header(author: Author, model: Model) -> None:
+def _header(author: Author, model: Assembly) -> None:
     header = author.file.header
     header.file_name.name = "model.ifc"
     header.file_name.time_stamp = f"{stamp():%Y-%m-%dT%H:%M:%S}"
@@ -58,11 +55,11 @@ def _header(author: Author, model: Model) -> None:
     header.file_description.description = ("ViewDefinition [DesignTransferView_V1.0]",)
 
 
-def _program(model: Model) -> str:
+def _program(model: Assembly) -> str:
     return f"vaultcad {model.versions.get('vaultcad', '')}".strip()
 
 
-def _map(author: Author, model: Model) -> None:
+def _map(author: Author, model: Assembly) -> None:
     easting, northing, height = (float(v) / model.unit for v in model.origin)
     named = {"Name": "unknown", "Description": "the scan's own coordinates"}
     if model.crs is not None:
@@ -93,28 +90,29 @@ def _spaces(author: Author, project: Entity) -> Entity:
     return parent
 
 
-def _roof(author: Author, fitted: FittedVault, key: str, storey: Entity, model: Model) -> Entity:
-    vault, thickness = fitted.vault, model.thickness_of(fitted)
-    place = author.placed(storey.ObjectPlacement, fitted.pose.placement())
+def _roof(author: Author, placed: PlacedVault, key: str, storey: Entity, model: Assembly) -> Entity:
+    vault, thickness = placed.vault, model.thickness_of(placed)
+    fitted = placed if isinstance(placed, FittedVault) else None  # one that was drawn has no figures
+    place = author.placed(storey.ObjectPlacement, placed.pose.placement())
     roof = author.root(
         "IfcRoof",
         key,
-        Name=fitted.label or vault.title.capitalize(),
-        Description=f"fitted to {model.scan.name}" if fitted.components else None,
+        Name=placed.label or vault.title.capitalize(),
+        Description=f"fitted to {model.scan.name}" if fitted else None,
         ObjectType=vault.title,
         ObjectPlacement=place,
         Tag=vault.id,
-        PredefinedType=ROOF_TYPES.get(type(vault), "USERDEFINED"),
+        PredefinedType=vault.roof_type,
     )
     pieces = bodies(vault, thickness)
-    facts = {component.name: component for component in fitted.components}
+    facts = {component.name: component for component in fitted.components} if fitted else {}
     slabs = [_slab(author, key, body, place, facts.get(body.name), thickness) for body in pieces]
     author.relate("IfcRelAggregates", f"{key} of", ("RelatingObject", roof), ("RelatedObjects", slabs))
     _masonry(author, key, [roof, *slabs], thickness)
 
     author.properties(roof, "Pset_RoofCommon", _common(author, vault.id))
-    author.properties(roof, "VaultCAD_Parameters", _parameters(author, fitted))
-    if fitted.components:  # one that was drawn, not fitted, has no figures
+    author.properties(roof, "VaultCAD_Parameters", _parameters(author, placed))
+    if fitted:
         author.properties(roof, "VaultCAD_Deviation", _deviation(author, fitted.deviation, fitted.coverage))
     area = sum(body.intrados_area for body in pieces)
     x, y = vault.corners.T
@@ -179,19 +177,20 @@ def _load_bearing(author: Author) -> Row:
     return "LoadBearing", author.value(True), ""
 
 
-def _parameters(author: Author, fitted: FittedVault) -> Iterator[Row]:
-    yield "family", author.value(fitted.vault.id), "id of the vault family"
-    for name, kinds in fitted.arches.items():
+def _parameters(author: Author, placed: PlacedVault) -> Iterator[Row]:
+    fitted = placed if isinstance(placed, FittedVault) else None
+    yield "family", author.value(placed.vault.id), "id of the vault family"
+    for name, kinds in placed.arches.items():
         yield name, author.value(kinds), "kind of arch"
-        if fitted.odds:
+        if fitted and fitted.odds:
             odds = ", ".join(f"{kind} {chance:.0%}" for kind, chance in fitted.odds[name].items())
             yield f"{name}_odds", author.value(odds), "how likely each kind is, given how vaults settle"
-    for name, estimate in fitted.parameters.items():
+    for name, estimate in placed.numbers().items():
         yield name, author.value(float(estimate.value), estimate.unit), estimate.meaning
         if estimate.std is not None:
             meaning = f"standard deviation of {name}"
             yield f"{name}_std", author.value(float(estimate.std), estimate.unit), meaning
-    if fitted.components:
+    if fitted:
         yield "confidence", author.value(float(fitted.confidence), "share"), "how sure the family is, 0 to 1"
 
 

@@ -12,11 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import family
+from families.drawing.deviation_colours import CONVENTION
+from families.drawing.section import PLANES
+from families.drawing.sheet import Drawing
+from families.drawing.svg import svg
 from vaultcad.export.charts import histogram
-from vaultcad.export.drawing import PLANES, plan, section
+from vaultcad.export.drawing import deviations, plan, section
 from vaultcad.export.palette import colour
 from vaultcad.export.report_json import in_shown_unit, plain
-from vaultcad.export.report_text import FILES, GLOSSARY, STYLE
+from vaultcad.export.report_text import FILES, STYLE, TERMS
+from vaultcad.export.seen import Seen, seen
 from vaultcad.model import FLAGS, Component, Deviation, Estimate, FittedVault, Model
 
 SHOWN = 0.02  # chance from which on a kind of arch is shown
@@ -42,15 +47,7 @@ def write_report_html(
         deviation: (n,) their signed distances to the model [m], NaN off the vault, for the histogram.
         vault: (n,) number of the vault that each belongs to, 0 for none; without it all belong to the first.
     """
-    xyz = np.zeros((0, 3)) if points is None else np.asarray(points, dtype=np.float64)
-    parts = []
-    for k, fitted in enumerate(model.vaults, 1):
-        own = np.zeros(0)
-        if deviation is not None:
-            mine = np.isfinite(deviation)
-            mine &= np.full(len(mine), k == 1) if vault is None else vault == k
-            own = np.asarray(deviation[mine if component is None else mine & (component > 0)], dtype=np.float64)
-        parts.append(_vault(fitted, model, xyz, own))
+    parts = [_vault(one, model) for one in seen(model, points, component, deviation, vault)]
     title = escape(f"{', '.join(f.vault.title for f in model.vaults)} · {model.scan.name}")
     head = (
         f'<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
@@ -60,9 +57,10 @@ def write_report_html(
     path.write_text(f'<!doctype html><html lang="en"><head>{head}</head><body>{body}</body></html>\n', encoding="utf-8")
 
 
-def _vault(fitted: FittedVault, model: Model, points: NDArray[np.float64], deviation: NDArray[np.float64]) -> str:
-    vault, d = fitted.vault, fitted.deviation
-    size = f"{2 * vault.plan.half_x:.2f} × {2 * vault.plan.half_y:.2f}\u00a0m"
+def _vault(one: Seen, model: Model) -> str:
+    fitted, vault, d = one.fitted, one.vault, one.fitted.deviation
+    across, along = (high - low for low, high in (plane.clear(vault) for plane in PLANES))
+    size = f"{across:.2f} × {along:.2f}\u00a0m"
     facts = [
         (size, "plan"),
         (_length(vault.derived_values().get("rise")), "rise"),
@@ -77,8 +75,8 @@ def _vault(fitted: FittedVault, model: Model, points: NDArray[np.float64], devia
         f'<p class="soft">{escape(model.scan.name)} · {model.points:,} points</p></header>'
         f"{_summary(fitted)}"
         f'<div class="figures">{figures}</div>'
-        f"{_drawings(fitted, model.thickness_of(fitted), points)}"
-        f"<section><h2>Deviation</h2>{_deviation(fitted, deviation)}</section>"
+        f"{_drawings([plan(one), *(section(one, plane) for plane in PLANES)])}"
+        f"<section><h2>Deviation</h2>{_deviation(one)}</section>"
         f"<section><h2>Sizes and parameters</h2>{_parameters(fitted, model.origin)}</section>"
         f"<section><h2>Components</h2>{_components(fitted.components)}</section>"
     )
@@ -97,33 +95,30 @@ def _summary(fitted: FittedVault) -> str:
     return f'<p class="lead">{escape(text)}</p>{more}'
 
 
-def _drawings(fitted: FittedVault, thickness: float, points: NDArray[np.float64]) -> str:
-    pictures = [(plan(fitted, thickness), "Plan: components from above and clear sizes in metres")]
-    dots = "; dots: the scan within 3 cm of the cut" if len(points) else ""
-    for plane in PLANES:
-        caption = f"Section {plane.letter}–{plane.letter}: stone, taken as {100 * thickness:g} cm thick{dots}"
-        pictures.append((section(fitted, thickness, plane, points), caption))
+def _drawings(drawings: Iterable[Drawing]) -> str:
     figures = "".join(
-        f'<figure style="flex-grow:{drawing.width:.2f}">{drawing.svg()}<figcaption>{escape(text)}</figcaption></figure>'
-        for drawing, text in pictures
+        f'<figure style="flex-grow:{drawing.size[0]:.2f}">{svg(drawing)}'
+        f"<figcaption>{escape(drawing.title)}</figcaption></figure>"
+        for drawing in drawings
     )
     return f'<div class="drawings">{figures}</div>'
 
 
-def _deviation(fitted: FittedVault, deviation: NDArray[np.float64]) -> str:
+def _deviation(one: Seen) -> str:
+    fitted = one.fitted
     rows = [("ideal model", fitted.deviation)]
     if fitted.as_built is not None:
         rows.append(("as-built surface", fitted.as_built))
     limits = sorted(fitted.deviation.within)
     head = ["distance to the", "mean", "RMS", "95 %", "max", "LOA", *(f"within {100 * v:g} cm" for v in limits)]
     cells = [[escape(name), *_deviation_cells(d), *(_share(d.within.get(v, 0.0)) for v in limits)] for name, d in rows]
-    chart = ""
-    if len(deviation):
-        caption = (
-            "Distances of the vault's points to the ideal model: above zero they lie higher, below zero in the room"
-        )
-        chart = f"<figure>{histogram(deviation)}<figcaption>{escape(caption)}</figcaption></figure>"
-    return f"{_table(head, cells, numbers=slice(1, 5), long=(0,))}<p></p>{chart}"
+    shown = ""
+    if one.on.any():
+        caption = f"Distances of the vault's points to the ideal model: {CONVENTION}"
+        chart = histogram(one.deviation[one.on], one.limit)
+        shown = f"<figure>{chart}<figcaption>{escape(caption)}</figcaption></figure>"
+        shown += f"<div class='map'>{_drawings([deviations(one)])}</div>"
+    return f"{_table(head, cells, numbers=slice(1, 5), long=(0,))}<p></p>{shown}"
 
 
 def _parameters(fitted: FittedVault, origin: NDArray[np.float64]) -> str:
@@ -208,10 +203,8 @@ def _files() -> str:
 
 
 def _glossary(model: Model) -> str:
-    words = " ".join(f"{name} {' '.join(f.vault.components)}" for f in model.vaults for name in f.vault.values())
-    items = "".join(
-        f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>" for where, term, text in GLOSSARY if where in words
-    )
+    terms = dict((*TERMS, *(term for fitted in model.vaults for term in fitted.vault.glossary)))
+    items = "".join(f"<dt>{escape(term)}</dt><dd>{escape(text)}</dd>" for term, text in terms.items())
     return f"<section><h2>Terms</h2><dl>{items}</dl></section>"
 
 

@@ -2,41 +2,28 @@
 
 from __future__ import annotations
 
-# Terms explained where they occur among a vault's components or parameters; those with "" always.
-GLOSSARY: tuple[tuple[str, str, str], ...] = (
-    ("", "intrados, extrados", "the lower and the upper surface of the masonry; a scan from below sees the intrados"),
-    ("", "springing", "the level where the vault leaves its walls; all heights count from it"),
-    ("", "crown", "the highest line or point of the intrados; the rise is its height above the springing"),
+TERMS: tuple[tuple[str, str], ...] = (
+    ("intrados, extrados", "the lower and the upper surface of the masonry; a scan from below sees the intrados"),
+    ("springing", "the level where the vault leaves its walls; all heights count from it"),
+    ("crown", "the highest line or point of the intrados; the rise is its height above the springing"),
+    ("deviation", "distance of a scanned point to the ideal model; positive into the stone, negative into the room"),
+    ("RMS", "square root of the mean of the squared deviations"),
+    ("95 % limit", "the distance that 95 % of the points keep"),
     (
-        "",
-        "deviation",
-        "distance of a scanned point to the ideal model; positive into the stone, negative into the room",
-    ),
-    ("", "RMS", "square root of the mean of the squared deviations"),
-    ("", "95 % limit", "the distance that 95 % of the points keep"),
-    (
-        "",
         "LOA",
         "USIBD level of accuracy of that limit: LOA10 above 5 cm, LOA20 to 5 cm, LOA30 to 15 mm, LOA40 to 5 mm, "
         "LOA50 to 1 mm",
     ),
     (
-        "",
         "±",
         "one standard deviation: about two times in three the true value is nearer. The true value is that of the "
         "vault as it was built: a settlement that looks like another shape is allowed for",
     ),
-    ("", "seen", "of what a scan of the whole vault would tell of a size, the share that this scan tells"),
-    ("", "coverage", "share of the surface on which there are scanned points"),
-    ("", "as built", "the ideal model bent smoothly to follow settlement and bulges of the stone"),
-    ("web", "web", "one of the fields of a groin vault, between two groins and a wall arch"),
-    ("web", "groin", "the edge where two barrels meet"),
-    ("cove", "cove", "curved strip between a wall and the level field of a mirror vault; S is its run, H its rise"),
-    ("lunette", "lunette", "small transverse vault that cuts into a barrel, often over a window"),
-    ("drum", "drum", "the cylinder between pendentives and dome"),
-    ("pendentive", "pendentive", "spherical triangle that leads from a corner of the square to the ring of the drum"),
-    ("south", "head", "the curved end of a trough vault, like a quarter of a cloister vault"),
+    ("seen", "of what a scan of the whole vault would tell of a size, the share that this scan tells"),
+    ("coverage", "share of the surface on which there are scanned points"),
+    ("as built", "the ideal model bent smoothly to follow settlement and bulges of the stone"),
 )
+"""Terms of every report; those of its families follow."""
 
 FILES: tuple[tuple[str, str], ...] = (
     ("model.step", "exact solids for CAD: FreeCAD, Rhino, CATIA"),
@@ -49,9 +36,9 @@ FILES: tuple[tuple[str, str], ...] = (
 
 STYLE = """
 :root { color-scheme: light dark; --ink: #1d1f23; --soft: #5d6470; --paper: #fbfaf8; --card: #fff; --line: #dcd9d2;
-  --accent: #2f6f8f; --scan: #d9480f; }
+  --accent: #2f6f8f; }
 @media (prefers-color-scheme: dark) { :root { --ink: #e8e6e1; --soft: #a3a9b3; --paper: #17191c; --card: #1f2226;
-  --line: #3a3e45; --accent: #7fbbd6; --scan: #ffa94d; } }
+  --line: #3a3e45; --accent: #7fbbd6; } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; max-width: 66rem; padding: 2rem 1.25rem 4rem; background: var(--paper); color: var(--ink);
   font: 15px/1.5 system-ui, "Segoe UI", Roboto, "Helvetica Neue", sans-serif; overflow-wrap: break-word; }
@@ -70,19 +57,11 @@ p { margin: .3rem 0 .8rem; max-width: 48rem; }
 figure { margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: .5rem; padding: .6rem; }
 .drawings figure { flex: 1 1 0; min-width: 0; max-width: 34rem; }
 @media (max-width: 44rem) { .drawings { display: block; } .drawings figure { max-width: none; margin-bottom: 1rem; } }
+.map { max-width: 24rem; margin-top: 1rem; }
 figcaption { font-size: .85rem; margin-top: .3rem; }
 svg { display: block; width: 100%; height: auto; max-height: 34rem; }
-.stone { fill-opacity: .78; stroke: var(--ink); stroke-width: .8; stroke-linejoin: round;
-  vector-effect: non-scaling-stroke; }
-.cutting, .springing, .dimension { fill: none; stroke: var(--soft); stroke-width: 1;
-  vector-effect: non-scaling-stroke; }
-.cutting { stroke-dasharray: 10 3 2 3; } .springing { stroke-dasharray: 4 4; }
-.beyond { fill: none; stroke: var(--soft); stroke-width: .8; vector-effect: non-scaling-stroke; }
-.scan { stroke: var(--scan); stroke-width: 2; stroke-linecap: round; stroke-opacity: .6;
-  vector-effect: non-scaling-stroke; }
-.drawing text { fill: var(--ink); dominant-baseline: middle; text-anchor: middle; }
-.drawing .letter { font-weight: 700; }
-.chart text { font-size: 11px; fill: var(--soft); text-anchor: middle; } .chart rect { fill: var(--accent); }
+.chart text { font-size: 11px; fill: var(--soft); text-anchor: middle; }
+.chart rect { stroke: var(--soft); stroke-width: .5; }
 .chart path { stroke: var(--soft); stroke-width: 1; fill: none; }
 table { border-collapse: collapse; width: 100%; background: var(--card); border: 1px solid var(--line); }
 th, td { text-align: left; padding: .3rem .6rem; border-bottom: 1px solid var(--line); vertical-align: top; }
@@ -105,7 +84,7 @@ td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space:
 dl { display: grid; grid-template-columns: fit-content(40%) 1fr; gap: .2rem 1rem; margin: 0; }
 dt { font-weight: 600; } dd { margin: 0; color: var(--soft); overflow-wrap: anywhere; }
 a { color: var(--accent); }
-.swatch, .bar, .stone, .chart rect { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
+.swatch, .bar, .drawing, .chart rect { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 @media print { body { padding: 0; max-width: none; font-size: 11pt; background: none; } .wide { overflow: visible; }
   section, figure, table, .figures { break-inside: avoid; } h2 { break-after: avoid; } }
 """

@@ -15,10 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import family
-from vaultcad.export.drawing import PLANES
+from families.drawing.looks import INK, PAPER
+from families.drawing.png import paint
+from families.drawing.section import PLANES
+from families.drawing.sheet import Drawing
+from vaultcad.export.drawing import deviations, overview, plan, section
 from vaultcad.export.palette import colour
 from vaultcad.export.report_json import in_shown_unit
-from vaultcad.export.review_panels import INK, SOFT, Seen, bar, deviations, dots, plan, section
+from vaultcad.export.seen import Seen, seen
 from vaultcad.model import Estimate, FittedVault, Model
 
 if TYPE_CHECKING:
@@ -27,10 +31,12 @@ if TYPE_CHECKING:
 
 DPI = 110
 WIDE, PANEL, FIGURES = 17.0, 5.8, 3.7  # [inch] the picture, a drawing, the column of figures
-MARGIN, HEAD, GAP, LINE, OVERVIEW = 0.4, 1.3, 0.35, 0.22, 7.0  # [inch]
+MARGIN, HEAD, GAP, LINE, OVERVIEW = 0.4, 1.1, 0.15, 0.22, 7.0  # [inch]
 UNLIKELY = 0.001  # alternatives below that confidence go without saying
-WARNING = "#b00020"
-LOOK = {"font.size": 9, "axes.titlesize": 10, "hatch.linewidth": 0.5, "hatch.color": SOFT}
+SOFT, WARNING = "#8a8a8a", "#b00020"
+LOOK = {"font.size": 9, "axes.titlesize": 10}
+
+Panels = tuple[Drawing, Drawing, Drawing, Drawing]
 
 
 def write_review(
@@ -70,22 +76,18 @@ def draw_review(
     """The picture as matplotlib's figure; arguments as in `write_review`."""
     from matplotlib.figure import Figure
 
-    xyz, owner = np.asarray(points, dtype=np.float64), np.ones(len(points)) if vault is None else vault
-    found = []
-    for k, fitted in enumerate(model.vaults, 1):
-        frame = fitted.pose.frame()
-        local, mine = xyz @ frame[:, :3].T + frame[:, 3], np.where(owner == k, component, 0)
-        found.append(Seen(fitted, model.thickness_of(fitted), local, mine, np.asarray(deviation, dtype=np.float64)))
+    found = seen(model, points, component, deviation, vault)
     several = len(found) > 1
-    heights = [OVERVIEW * several, *(_height(seen) for seen in found)]
-    figure = Figure(figsize=(WIDE, sum(heights)), facecolor="white")
+    panels = [_drawings(one) for one in found]
+    heights = [OVERVIEW * several, *map(_height, found, panels)]
+    figure = Figure(figsize=(WIDE, sum(heights)), facecolor=PAPER)
     if several:
         _overview(ReviewSheet(figure, 0.0, OVERVIEW), model.scan.name, found)
-    for k, seen in enumerate(found, 1):
+    for k, (one, drawings) in enumerate(zip(found, panels, strict=True), 1):
         sheet = ReviewSheet(figure, sum(heights[:k]), heights[k])
-        _title(sheet, seen.fitted, f"{k}  " if several else "", model.scan.name)
-        _drawings(sheet, seen)
-        _figures(sheet, seen)
+        _title(sheet, one.fitted, f"{k}  " if several else "", model.scan.name)
+        _place(sheet, drawings)
+        _figures(sheet, one.fitted)
     return figure
 
 
@@ -108,25 +110,31 @@ class ReviewSheet:
         self.figure.text(left / width, 1 - (self.top + top) / height, text, color=color, size=size, **look)
 
 
-def _heights(seen: Seen) -> tuple[float, float]:
-    """Of the panels of plan and sections [inch], at the scale that makes their squares as wide as a panel."""
-    scale = PANEL / seen.side
-    return scale * 2 * float(seen.half[1] + seen.around), scale * (seen.top + 2 * seen.around)
+def _drawings(one: Seen) -> Panels:
+    """Plan, map of deviations, and both sections of a vault."""
+    across_x, across_y = (section(one, plane) for plane in PLANES)
+    return plan(one, scanned=True), deviations(one), across_x, across_y
 
 
-def _height(seen: Seen) -> float:
+def _rows_of_panels(drawings: Panels) -> tuple[float, float, float]:
+    """The width [m] that all panels show, at one scale, and the heights [inch] of plans and of sections."""
+    width = max(drawing.size[0] for drawing in drawings)
+    heights = [PANEL / width * drawing.size[1] for drawing in drawings]
+    return width, max(heights[:2]), max(heights[2:])
+
+
+def _height(one: Seen, drawings: Panels) -> float:
     """Of all that is drawn and told of a vault [inch]."""
-    return HEAD + max(sum(_heights(seen)) + 2 * GAP, LINE * (len(_rows(seen.fitted)) + 2))
+    _, *tall = _rows_of_panels(drawings)
+    return HEAD + max(sum(tall) + 2 * GAP, LINE * (len(_rows(one.fitted)) + 2))
 
 
-def _drawings(sheet: ReviewSheet, seen: Seen) -> None:
-    upper, lower = _heights(seen)
-    right, below = MARGIN + PANEL + GAP, HEAD + upper + GAP
-    plan(sheet.axes(MARGIN, HEAD, PANEL, upper), seen)
-    scale = sheet.axes(right + PANEL, HEAD + 0.1 * upper, 0.16, 0.8 * upper)
-    deviations(sheet.axes(right, HEAD, PANEL, upper), scale, seen)
-    for left, plane in zip((MARGIN, right), PLANES, strict=True):
-        section(sheet.axes(left, below, PANEL, lower), seen, plane)
+def _place(sheet: ReviewSheet, drawings: Panels) -> None:
+    width, *tall = _rows_of_panels(drawings)
+    for k, drawing in enumerate(drawings):
+        row, column = divmod(k, 2)
+        top = HEAD + row * (tall[0] + GAP)
+        paint(sheet.axes(MARGIN + column * (PANEL + GAP), top, PANEL, PANEL / width * drawing.size[1]), drawing, width)
 
 
 def _title(sheet: ReviewSheet, fitted: FittedVault, number: str, scan: str) -> None:
@@ -140,10 +148,10 @@ def _title(sheet: ReviewSheet, fitted: FittedVault, number: str, scan: str) -> N
         sheet.text(MARGIN, 1.02, text, color=WARNING, weight="bold")
 
 
-def _figures(sheet: ReviewSheet, seen: Seen) -> None:
+def _figures(sheet: ReviewSheet, fitted: FittedVault) -> None:
     """Sizes with their standard deviations, what the points say, and the components."""
     left = WIDE - FIGURES
-    for k, (name, value, more, mark) in enumerate(_rows(seen.fitted)):
+    for k, (name, value, more, mark) in enumerate(_rows(fitted)):
         y = HEAD + LINE * (k + 1)
         sheet.text(left - 0.2, y, "■" if mark else "", color=mark or INK)
         sheet.text(left, y, name)
@@ -180,16 +188,4 @@ def _overview(sheet: ReviewSheet, scan: str, found: list[Seen]) -> None:
     """The plans of all vaults where they stand in the scan, in its local frame."""
     sheet.text(MARGIN, 0.5, f"{len(found)} vaults", size=20, weight="bold")
     sheet.text(MARGIN, 0.78, scan)
-    axes = sheet.axes(MARGIN, HEAD - 0.3, WIDE - 2 * MARGIN, OVERVIEW - HEAD)
-    for k, seen in enumerate(found, 1):
-        out = seen.fitted.pose.placement()[:2]
-        for points, shade in ((seen.walls, SOFT), (seen.points[seen.on], seen.shades)):
-            dots(axes, points @ out[:, :3].T + out[:, 3], c=shade, s=1.0)
-        for row in seen.edges():
-            axes.plot(*(row @ out[:, :2].T + out[:, 3]).T, color=INK, linewidth=0.9)
-        label = f"{k}  {seen.vault.title}\nrms {1000 * seen.fitted.deviation.rms:.0f} mm"
-        box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "boxstyle": "round"}
-        axes.text(float(out[0, 3]), float(out[1, 3]), label, ha="center", va="center", weight="bold", bbox=box)
-    axes.set_aspect("equal")
-    axes.set_axis_off()
-    bar(axes, axes.get_xlim()[0], axes.get_ylim()[0], 1.0)
+    paint(sheet.axes(MARGIN, HEAD - 0.3, WIDE - 2 * MARGIN, OVERVIEW - HEAD), overview(found))

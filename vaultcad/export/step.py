@@ -18,7 +18,7 @@ from vaultcad.export.geometry import masonry
 from vaultcad.export.palette import Colour, colour
 from vaultcad.export.part21 import encoded, in_order, unbroken
 from vaultcad.legible import legible
-from vaultcad.model import FittedVault, Model, Pose
+from vaultcad.model import Assembly, PlacedVault, Pose
 
 if TYPE_CHECKING:
     from OCP.Quantity import Quantity_Color
@@ -30,13 +30,13 @@ if TYPE_CHECKING:
 SETTINGS = {"write.step.schema": "AP214IS", "write.step.unit": "MM"}
 
 
-def write_step(model: Model, path: Path) -> None:
+def write_step(model: Assembly, path: Path) -> None:
     """Write an assembly named after the scan, of one solid a vault, placed by its pose relative to `model.origin`.
 
     Raises:
         ExportError: no vault has a solid, or the translator failed.
     """
-    if not any(fitted.solid for fitted in model.vaults):
+    if not any(placed.solid for placed in model.vaults):
         raise ExportError(f"{path.name}: no vault has a solid that could be written as STEP")
     from OCP.IFSelect import IFSelect_RetDone
     from OCP.Interface import Interface_Static
@@ -50,12 +50,12 @@ def write_step(model: Model, path: Path) -> None:
     assembly = shapes.NewShape()
     names = [model.scan.stem]
     _name(assembly, _stand_in(0))
-    for k, fitted in enumerate(model.vaults, 1):
-        if not fitted.solid:
+    for k, placed in enumerate(model.vaults, 1):
+        if not placed.solid:
             continue
-        name = fitted.label or (f"{k} {fitted.vault.title}" if len(model.vaults) > 1 else fitted.vault.title)
-        part = _part(shapes, document.Main(), fitted, model.thickness_of(fitted), _stand_in(len(names)))
-        _name(shapes.AddComponent(assembly, part, _location(fitted.pose)), _stand_in(len(names)))
+        name = placed.label or (f"{k} {placed.vault.title}" if len(model.vaults) > 1 else placed.vault.title)
+        part = _part(shapes, document.Main(), placed, model.thickness_of(placed), _stand_in(len(names)))
+        _name(shapes.AddComponent(assembly, part, _location(placed.pose)), _stand_in(len(names)))
         names.append(name)
     shapes.UpdateAssemblies()
 
@@ -80,12 +80,12 @@ def write_step(model: Model, path: Path) -> None:
     path.write_text(tidied, encoding="ascii", newline="\n")
 
 
-def _part(shapes: XCAFDoc_ShapeTool, main: TDF_Label, fitted: FittedVault, thickness: float, name: str) -> TDF_Label:
+def _part(shapes: XCAFDoc_ShapeTool, main: TDF_Label, placed: PlacedVault, thickness: float, name: str) -> TDF_Label:
     from OCP.XCAFDoc import XCAFDoc_ColorSurf, XCAFDoc_DocumentTool
 
     from families.solid import brep
 
-    vault, solid = fitted.vault, _solid(masonry(fitted.vault, thickness))
+    vault, solid = placed.vault, _solid(masonry(placed.vault, thickness))
     colours = XCAFDoc_DocumentTool.ColorTool_s(main)
     part = shapes.AddShape(solid, False)
     _name(part, name)

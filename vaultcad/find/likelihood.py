@@ -14,8 +14,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from families import Dome
-from vaultcad.find.practice import beforehand, shapes_an_arch
+from vaultcad.find.practice import arch_of, beforehand
 from vaultcad.find.refine import WIDEST, Refined
 from vaultcad.fit.evidence import Evidence
 from vaultcad.fit.settlement import (
@@ -116,13 +115,13 @@ class Field:
     def _secants(self, solution: Solution) -> Array:
         """Derivatives (n, k) of the distances, those by the rise of arches over wide steps that leave the crown there.
 
-        A segment that is all but a semicircle can lose its foot to the wall without a change of first order. A dome's
-        arch stands high above the springing: a step that leaves its crown would move all that is below it.
+        A segment that is all but a semicircle can lose its foot to the wall without a change of first order. Below a
+        raised arch, as a dome's, there is more of the vault: a step that leaves the crown would move all that.
         """
         out, vault, pose = solution.jacobian.copy(), solution.placed.vault, solution.placed.pose
         values, parameters = vault.values(), {p.name: p for p in vault.parameters()}
         for k, name in enumerate(solution.names[len(POSE) :], len(POSE)):
-            if isinstance(vault, Dome) or not shapes_an_arch(vault, name):
+            if arch_of(vault, name) in {None, *vault.raised}:
                 continue
             low, high = parameters[name].range.low, parameters[name].range.high
             ends = [min(max(values[name] + side * RATIO_STEP, low), high) for side in (-1, 1)]

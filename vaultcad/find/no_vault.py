@@ -12,7 +12,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from families import Dome, Sail
 from vaultcad.errors import NoVaultError
 from vaultcad.find.refine import Refined
 from vaultcad.fit.solve import Placed
@@ -30,9 +29,6 @@ ROUGH = 0.03, 0.005  # m, and share of its rise or half span, that the stone of 
 LOW = 0.15  # rise / shorter side below which a rise has to be known
 UNKNOWN = 1.5  # standard deviation / rise, of a low vault, from which on it may be none
 VAGUE = 0.1  # rms / rise from which on a model says nothing
-SAMPLES = 4000  # of the whole intrados, by which the areas of its parts are known
-BARE = 0.2  # points for each area on pendentives / on the dome and its drum below which there are none
-ROUND = 0.15  # points of the sphere beyond a sail's plan / in it from which on the plan is round
 LOOSE, FEW = 0.045, 20  # m that the lesser components may be off the stone (rms), and points that tell it
 LEVELED = 0.03, 0.86  # m, height of a level layer, and the share of a model's points in one from which it is no vault
 
@@ -50,7 +46,7 @@ def check(refined: Refined, site: Site, tolerance: float) -> None:
 
     Raises:
         NoVaultError: a level ceiling, a surface too rough for masonry, or a model that most of what hangs over its
-            springing is far from, or that says nothing of its rise.
+            springing is far from, that says nothing of its rise, or that its family itself contradicts.
     """
     placed = refined.placed
     vault, plan = placed.vault, placed.vault.plan
@@ -76,55 +72,8 @@ def check(refined: Refined, site: Site, tolerance: float) -> None:
         )
     if rise < LOW * short:
         _check_rise(refined, rise)
-    if isinstance(vault, Dome):
-        _check_pendentives(placed, site.points[above][on])
-    if isinstance(vault, Sail):
-        _check_square(vault, local, tolerance, int(on.sum()))
-
-
-def _check_pendentives(placed: Placed, points: Array) -> None:
-    """Refuse a dome whose pendentives nobody scanned: it stands on a round room. points: (n, 3) on it [m].
-
-    Raises:
-        NoVaultError: it does.
-    """
-    vault = placed.vault
-    surface = placed.vault.evaluate(points, frame=placed.pose.frame())
-    whole = vault.sample(SAMPLES, np.random.default_rng(0)).component
-
-    def seen(mask: Mask, possible: Mask) -> float:
-        return float(mask.sum()) / max(int(possible.sum()), 1)
-
-    turned = [vault.components.index(name) + 1 for name in ("dome", "drum") if name in vault.components]
-    above, there = np.isin(surface.component, turned), np.isin(whole, turned)
-    if not there.all() and seen(~above, ~there) < BARE * seen(above, there):
-        radius = vault.values()["radius"]
-        raise NoVaultError(
-            f"no vault found: a dome of {radius:.2f} m radius, but nothing of the pendentives that it would stand on; "
-            "domes over round rooms are no family yet"
-        )
-
-
-def _check_square(vault: Sail, local: Array, tolerance: float, on: int) -> None:
-    """Refuse a sail vault whose sphere goes on beyond its square, as a dome's does over a round plan.
-
-    local: (n, 3) points in the vault's frame [m]. on: how many of them are the vault's.
-
-    Raises:
-        NoVaultError: it goes on.
-    """
-    sizes = vault.derived_values()
-    radius, rise = sizes["radius"], sizes["rise"]
-    beyond = (np.abs(local[:, 0]) > vault.plan.half_x + tolerance) | (
-        np.abs(local[:, 1]) > vault.plan.half_y + tolerance
-    )
-    off = np.abs(np.linalg.norm(local - [0.0, 0.0, rise - radius], axis=1) - radius)
-    more = int((beyond & (off < tolerance) & (local[:, 2] > rise - radius)).sum())
-    if more > ROUND * on:
-        raise NoVaultError(
-            f"no vault found: a sphere of {radius:.2f} m radius that goes on beyond any square under it: a dome over a "
-            "round plan, which is no family yet"
-        )
+    if why := vault.contradiction(local, local[above][on], tolerance):
+        raise NoVaultError(f"no vault found: {why}")
 
 
 def _check_rise(refined: Refined, rise: float) -> None:

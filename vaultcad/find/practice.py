@@ -16,7 +16,7 @@ from vaultcad.fit.solve import POSE, Solution
 Array = NDArray[np.float64]
 
 KEPT = 0.8  # how often a constraint holds that seldom fails; of the others every second does
-ALIKE_ARCHES = 2.0  # by so much likelier are arches of one kind in both directions
+ALIKE_ARCHES = 2.0  # by so much likelier are arches of one kind where a family's are mostly alike
 KNOWN = {"x": 1.0, "y": 1.0, "z": 3.0, "yaw": 0.1}  # m, rad; standard deviation of the pose beforehand
 HELD = 1e12  # inverse variance of a part of the pose that a user fixed
 
@@ -39,13 +39,6 @@ PRACTICE: dict[type[Profile], Practice] = {
 }
 """From the proportions of the treatises; the semicircle is the simplest and the most usual. A stilted arch on a wall
 looks like a semicircle that springs higher, so only the shares tell how often it is one."""
-USUAL = {
-    "pendentive_ratio": (0.15, 0.15),
-    "offset_x_ratio": (0.04, 0.03),
-    "offset_y_ratio": (0.04, 0.03),
-    "crown_rise_ratio": (0.08, 0.05),
-}
-"""Mean and deviation of parameters once the constraint that holds them is let go."""
 
 
 def log_prior(vault: Vault, kept: Iterable[Constraint]) -> float:
@@ -53,14 +46,14 @@ def log_prior(vault: Vault, kept: Iterable[Constraint]) -> float:
     held = {c.name for c in kept}
     arches = vault.profiles
     kinds = sum(log(PRACTICE[type(arch)].share) for arch in arches.values())
-    if {"profile_x", "profile_y"} <= set(arches) and type(arches["profile_x"]) is type(arches["profile_y"]):
+    if vault.alike and len({type(arches[name]) for name in vault.alike}) == 1:
         kinds += log(ALIKE_ARCHES)
     return kinds + sum(log(KEPT if c.name in held else 1 - KEPT) for c in vault.constraints if c.rare)
 
 
-def shapes_an_arch(vault: Vault, name: str) -> bool:
-    """Whether a parameter is one of an arch's."""
-    return any(p.name == name and p.path[0] in vault.profiles for p in vault.parameters())
+def arch_of(vault: Vault, name: str) -> str | None:
+    """The field of the arch that a parameter shapes, if it does."""
+    return next((p.path[0] for p in vault.parameters() if p.name == name and p.path[0] in vault.profiles), None)
 
 
 def beforehand(solution: Solution) -> tuple[Array, Array]:
@@ -74,7 +67,7 @@ def beforehand(solution: Solution) -> tuple[Array, Array]:
             continue
         parameter = parameters[name]
         place, own = parameter.path[0], parameter.path[-1]
-        usual = PRACTICE[type(arches[place])].usual[own] if place in arches else USUAL.get(name)
+        usual = PRACTICE[type(arches[place])].usual[own] if place in arches else vault.usual.get(name)
         if usual is None:
             precision[k] = 12 / (parameter.range.high - parameter.range.low) ** 2
         else:

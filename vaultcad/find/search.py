@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from families import Lunette, Vault
+from families import Vault
 from vaultcad.errors import NoVaultError
 from vaultcad.find.choices import Choice, likeliest, weigh
 from vaultcad.find.no_vault import check
@@ -29,7 +29,6 @@ TOLERANCE = (0.03, 0.12)  # m, limits of the band that a vault's points lie in
 BAND = 4.0  # that band in scatters of the fit
 NARROW = 0.9  # m, span of a part of a scan that is rather an arch, or nothing
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
-HIGH = 0.93  # crown of lunettes / crown of their barrel from which on they may be groin vaults in a row
 CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
 FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
@@ -110,7 +109,7 @@ class _Search:
         bays = [found for bay in parts for found in self.region(bay, part=True)]
         if one is None:
             return bays
-        gain = 1 / GAIN if _in_a_row(one) else GAIN
+        gain = 1 / GAIN if one.placed.vault.may_be_several else GAIN
         return bays if self._explained(bays, region) > gain * self._explained([one], region) else [one]
 
     def _fit(self, region: Region, part: bool) -> Found:
@@ -171,7 +170,8 @@ class _Search:
 
     def _settled(self, one: Found, region: Region) -> bool:
         """Whether one vault explains so much of a region that its bays need not be tried."""
-        return not _in_a_row(one) and self._explained([one], region) >= SURE * len(self.ceiling.points(region))
+        several = one.placed.vault.may_be_several
+        return not several and self._explained([one], region) >= SURE * len(self.ceiling.points(region))
 
     def _explained(self, found: Sequence[Found], region: Region) -> int:
         """Over how many of the ceiling's cells of a region the vaults hang."""
@@ -194,13 +194,3 @@ def _under_its_ceiling(site: Site, thin: Thin) -> Site:
         return site
     arrays = {name: getattr(site, name)[below] for name in ("points", "normals", "weights", "counts")}
     return replace(site, crown=crown, **arrays)
-
-
-def _in_a_row(found: Found) -> bool:
-    """Whether a vault with lunettes might be a row of groin vaults."""
-    vault = found.placed.vault
-    return (
-        isinstance(vault, Lunette)
-        and vault.count > 1
-        and vault.lunette_springing + vault.lunette_rise > HIGH * vault.rise
-    )

@@ -10,7 +10,7 @@ from math import inf, isfinite, pi
 from families import PROFILES, Vault, profile
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived_declarations
-from vaultcad.fit.freedom import DECIDES, LEVEL_CROWNS, RECTANGLE, SPRINGING, Demands
+from vaultcad.fit.freedom import RECTANGLE, SPRINGING, Demands, decides
 
 PLACE = {
     "x": Range(-inf, inf, "m", "middle of the plan, in the scan's coordinates"),
@@ -86,7 +86,7 @@ def sizes_of(cls: type[Vault]) -> dict[str, Range]:
     for name in vault.profiles:
         vaults += [vault.with_arches({name: kind()}) for kind in PROFILES]
     derived = derived_declarations(cls)
-    lengths = [*DECIDES[cls.id], *(name for family, name in LEVEL_CROWNS if family == cls.id)]
+    lengths = [*decides(cls), *cls.stands_for]
     found = {p.name: p.range for one in vaults for p in one.parameters()}
     return found | {name: Range(-inf, inf, "m", derived[name].meaning) for name in lengths}
 

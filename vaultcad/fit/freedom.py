@@ -7,16 +7,10 @@ from dataclasses import dataclass, field
 
 from families import PROFILES, Profile, Vault
 from families.declaration.constraints import Constraint
-from families.declaration.lengths import RATIOS
 from families.declaration.profiles import as_kind
 
 EXACT_SIZE = 1e-6  # of sizes that are fixed
 Tie = Callable[[Vault], Mapping[str, float]]
-
-DECIDES: dict[str, dict[str, str]] = {**RATIOS, "dome": {**RATIOS["dome"], "rise": "drum_ratio"}}
-"""Family -> derived length -> the one parameter that decides it in a fit; each is monotonic in that."""
-LEVEL_CROWNS = {("groin", "rise")}
-"""Family and length that is the rise of both its barrels, the crown being level."""
 
 SPRINGING = Constraint("springing", "the springing is no lower than the lowest stone that the scan shows")
 """A constraint that all families share, as it is about the pose."""
@@ -63,15 +57,11 @@ class Demands:
         """Whether anything of the vault itself is settled."""
         return bool(self.sizes or self.arches)
 
-    def of(self, family: str) -> dict[str, float]:
+    def of(self, family: type[Vault]) -> dict[str, float]:
         """The sizes in terms that each hang on one parameter of a family."""
         found: dict[str, float] = {}
         for name, value in self.sizes.items():
-            found |= (
-                {"rise_x": value, "rise_y": value, "crown_rise": 0.0}
-                if (family, name) in LEVEL_CROWNS
-                else {name: value}
-            )
+            found |= family.stands_for[name](value) if name in family.stands_for else {name: value}
         return found
 
     def suits(self, vault: Vault) -> bool:
@@ -79,7 +69,7 @@ class Demands:
         arches = vault.profiles
         if any(name not in arches or type(arches[name]) is not kind for name, kind in self.arches.items()):
             return False
-        values, lengths, own = vault.values(), DECIDES[vault.id], {p.name: p for p in vault.parameters()}
+        values, lengths, own = vault.values(), decides(type(vault)), {p.name: p for p in vault.parameters()}
 
         def can(name: str, value: float) -> bool:
             if name not in own:
@@ -87,7 +77,7 @@ class Demands:
             p = own[name]
             return value == values[name] if p.integer else p.range.low <= value <= p.range.high
 
-        return all(can(name, value) for name, value in self.of(vault.id).items())
+        return all(can(name, value) for name, value in self.of(type(vault)).items())
 
     def suited(self, vault: Vault) -> Vault | None:
         """The vault, or the first with other profiles that has all sizes; None if none has."""
@@ -112,7 +102,7 @@ class Demands:
 
     def freedom(self, vault: Vault, kept: Sequence[Constraint] = ()) -> Freedom:
         """All that may move while the constraints are kept."""
-        own, lengths, sizes = vault.values(), DECIDES[vault.id], self.of(vault.id)
+        own, lengths, sizes = vault.values(), decides(type(vault)), self.of(type(vault))
         values = {name: value for name, value in sizes.items() if name in own}
         made = [name for name in lengths if name in sizes and name not in own]
         ties: list[Tie] = [_made(name, sizes[name]) for name in made]
@@ -138,13 +128,18 @@ class Demands:
 NONE = Demands()
 
 
+def decides(family: type[Vault]) -> Mapping[str, str]:
+    """Derived length -> the one parameter that decides it in a fit; each is monotonic in that."""
+    return {**family.ratios, **family.held}
+
+
 def _made(name: str, length: float) -> Tie:
     """The parameter that makes a derived length as given [m], or as near as can be with the other sizes."""
 
     def tie(vault: Vault) -> Mapping[str, float]:
         from scipy.optimize import brentq
 
-        ratio = DECIDES[vault.id][name]
+        ratio = decides(type(vault))[name]
         limits = next(p.range for p in vault.parameters() if p.name == ratio)
 
         def miss(value: float) -> float:

@@ -46,7 +46,7 @@ class ScannerSettings(Parametric):
         0.0
     )
 
-    walls: Walls = "walls"  # "piers": open on all sides, on four piers with transverse arches (sail, groin, dome)
+    walls: Walls = "walls"  # "piers": open on all sides, on four piers with transverse arches
     wall_height: Annotated[float, Range(1.2, 30, "m", "springing above the floor")] = 3.0
     openings: Annotated[int, Range(0, 12, "1", "doors and windows tried; those that find no room are left out")] = 3
     tie_rods: Annotated[int, Range(0, 12, "1", "iron rods across the room, just above the springing")] = 2

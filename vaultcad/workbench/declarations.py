@@ -14,10 +14,20 @@ GROUPS = {"vault": "Dimensions", "profile": "Arches", "size": "Sizes"}
 
 
 def families(request: Request) -> dict[str, Any]:
-    """All families with their parameters in order; lengths in metres, angles in radians."""
+    """All families with their parameters in order, lengths in metres, angles in radians; and how deviations look."""
     from families import FAMILIES
 
-    return {"families": [declared(cls) for cls in FAMILIES]}
+    return {"families": [declared(cls) for cls in FAMILIES], "deviations": deviation_scale()}
+
+
+def deviation_scale() -> dict[str, Any]:
+    """The colours of deviations: `stops`, pairs of a share of the limit and red, green, blue from 0 to 1; `unknown`,
+    where there is none; the usual `limit` [mm].
+    """
+    from families.drawing.deviation_colours import STOPS, UNKNOWN, USUAL_LIMIT
+
+    stops = [[share, list(colour.unit)] for share, colour in STOPS]
+    return {"stops": stops, "unknown": list(UNKNOWN.unit), "limit": 1000 * USUAL_LIMIT}
 
 
 def declared(cls: type[Vault]) -> dict[str, Any]:
@@ -26,17 +36,14 @@ def declared(cls: type[Vault]) -> dict[str, Any]:
     A parameter has name, kind, unit, low, high, meaning, group, default. One of kind "choice" is a profile: instead of
     a range it has `choices`, profile id -> the parameters that this profile adds.
     """
-    from families import Profile
-    from families.declaration.lengths import RATIOS
     from families.declaration.parameters import derived_declarations
 
     vault = cls()
-    own, values = {p.path[0]: p for p in vault.parameters()}, vault.values()
+    own, values, arches = {p.path[0]: p for p in vault.parameters()}, vault.values(), vault.profiles
     parameters = []
     for name in (field.name for field in fields(cls)):
-        value = getattr(vault, name)
-        if isinstance(value, Profile):
-            parameters.append(_choice(vault, name, value))
+        if name in arches:
+            parameters.append(_choice(vault, name, arches[name]))
         elif name in own:
             parameters.append(_number(own[name], values[name], GROUPS["vault"]))
     sizes = [
@@ -46,7 +53,7 @@ def declared(cls: type[Vault]) -> dict[str, Any]:
             "unit": size.unit,
             "meaning": size.meaning,
             "group": GROUPS["size"],
-            "decides": name in RATIOS[cls.id],
+            "decides": name in cls.ratios,
         }
         for name, size in derived_declarations(cls).items()
     ]

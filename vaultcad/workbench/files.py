@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vaultcad.model_file import fitted_vault
+from vaultcad.model_file import placed_vault
 
 if TYPE_CHECKING:
     from vaultcad.workbench.protocol import Request
 
-THICKNESS = 0.15  # m, of a vault that is shown as a surface
 OWN = ("thickness", "label")  # what the document says of a vault
 
 
@@ -21,7 +20,7 @@ def export(request: Request) -> dict[str, Any]:
     """Write vaults to `path`, whose suffix says how.
 
     Asked: path, name (of the document), origin [m], and vaults: each with family, profiles, parameters and pose, its
-    label and thickness [m], 0 for `THICKNESS`, and the rest of what the fit told of it as long as it is as fitted.
+    label and thickness [m], 0 for the usual one, and the rest of what the fit told of it as long as it is as fitted.
     Told: path.
 
     Raises:
@@ -33,7 +32,7 @@ def export(request: Request) -> dict[str, Any]:
     from vaultcad.export.glb import write_glb
     from vaultcad.export.ifc import write_ifc
     from vaultcad.export.step import write_step
-    from vaultcad.model import Model
+    from vaultcad.model import Assembly
     from vaultcad.versions import versions
 
     writers = {".step": write_step, ".stp": write_step, ".ifc": write_ifc, ".glb": write_glb}
@@ -44,8 +43,8 @@ def export(request: Request) -> dict[str, Any]:
     try:
         vaults = tuple(
             replace(
-                fitted_vault({name: value for name, value in plain.items() if name not in OWN}),
-                thickness=float(plain.get("thickness", 0)) or THICKNESS,
+                placed_vault({name: value for name, value in plain.items() if name not in OWN}),
+                thickness=float(plain.get("thickness", 0)) or None,
                 label=str(plain.get("label", "")),
             )
             for plain in request.tables("vaults")
@@ -53,18 +52,11 @@ def export(request: Request) -> dict[str, Any]:
         origin = np.array([float(value) for value in request.arguments.get("origin", (0, 0, 0))]).reshape(3)
     except (KeyError, TypeError) as error:
         raise ValueError(f"vaults: {type(error).__name__} {error}; give family, parameters and pose of each") from None
-    model = Model(
-        scan=Path(request.text("name", "vaults")),
-        points=sum(component.points for vault in vaults for component in vault.components),
-        bounds=np.zeros((2, 3)),
-        origin=origin,
-        vaults=vaults,
-        versions=versions(),
-    )
-    built = buildable(model)
-    for fitted in built.vaults:
-        if not fitted.solid:
-            raise ExportError(refusal(fitted.vault, built.thickness_of(fitted)))
+    scan = Path(request.text("name", "vaults"))
+    built = buildable(Assembly(scan=scan, origin=origin, vaults=vaults, versions=versions()))
+    for placed in built.vaults:
+        if not placed.solid:
+            raise ExportError(refusal(placed.vault, built.thickness_of(placed)))
     with replacing(path) as part:
         write(built, part)
     return {"path": str(path)}

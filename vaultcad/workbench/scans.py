@@ -53,7 +53,7 @@ def fit(request: Request) -> dict[str, Any]:
     from vaultcad.pipeline import STAGES, FitSettings, fit_scan
 
     name = request.text("family", "auto")
-    families = FAMILIES if name == "auto" else (named(name),)
+    families = tuple(FAMILIES) if name == "auto" else (named(name),)
     settings = FitSettings(families, seed=int(request.number("seed", 0)), thickness=request.number("thickness", 0.15))
     stages = ("reading", *STAGES)
 

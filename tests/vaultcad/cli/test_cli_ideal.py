@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from families import FAMILIES, PROFILES, Pointed, family
-from families.declaration.lengths import RATIOS, with_lengths
+from families.declaration.lengths import with_lengths
 from families.declaration.parameters import Range
 from segmentation import read
 from segmentation.io.labels import read_labels
@@ -67,7 +67,7 @@ def test_a_family_goes_by_its_names_in_other_languages(run, tmp_path, alias):
 
 
 @pytest.mark.parametrize(
-    ("cls", "name"), [(cls, name) for cls in FAMILIES for name in RATIOS[cls.id]], ids=lambda v: getattr(v, "id", v)
+    ("cls", "name"), [(cls, name) for cls in FAMILIES for name in cls.ratios], ids=lambda v: getattr(v, "id", v)
 )
 @pytest.mark.parametrize("share", [0.15, 0.8])
 def test_a_length_finds_the_ratio_that_makes_it(cls, name, share):
@@ -75,8 +75,8 @@ def test_a_length_finds_the_ratio_that_makes_it(cls, name, share):
     vault = vault_of(cls, dict.fromkeys(profiles, "elliptical"))
     if name == "shift":
         vault = vault.replaced({"pitch_ratio": 0.7})  # a row without slack cannot be shifted
-    limits = {p.name: p.range for p in vault.parameters()}[RATIOS[cls.id][name]]
-    there = vault.replaced({RATIOS[cls.id][name]: limits.low + share * (limits.high - limits.low)})
+    limits = {p.name: p.range for p in vault.parameters()}[cls.ratios[name]]
+    there = vault.replaced({cls.ratios[name]: limits.low + share * (limits.high - limits.low)})
     wanted = there.derived_values()[name]
     assert with_lengths(vault, {name: wanted}).derived_values()[name] == pytest.approx(wanted, abs=1e-9)
 

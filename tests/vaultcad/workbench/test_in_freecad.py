@@ -10,6 +10,7 @@ import pytest
 from build123d import import_step
 
 from families import FAMILIES, Groin
+from families.drawing.deviation_colours import shade
 from segmentation.io import write_cloud
 from vaultcad.model_file import plain_vault
 from vaultcad.workbench.install import INTERPRETER, by_rule, install
@@ -96,7 +97,8 @@ def test_what_cannot_be_is_refused_and_a_dead_worker_is_survived(in_freecad) -> 
 
 
 def test_a_scan_is_fitted_and_exported(in_freecad, tmp_path) -> None:
-    found = in_freecad("fitted", scan=str(ROOT / "examples" / "room.laz"))
+    shown = [-25.0, -20.0, -4.0, 0.0, 10.0, 13.0, 20.0, 99.0]
+    found = in_freecad("fitted", scan=str(ROOT / "examples" / "room.laz"), deviations=shown)
     assert 50_000 < found["shown"] <= 100_000
     assert found["total"] == 350_456
     assert found["start"]["objects"] == ["Scan"]
@@ -136,6 +138,8 @@ def test_a_scan_is_fitted_and_exported(in_freecad, tmp_path) -> None:
     assert found["undone"]["on"] == fit["on"]
     assert found["empty"] == "the box holds no point of the scan; move it over the vault"
     assert found["opened"]
+    for deviation, colour in zip(shown, found["scale"], strict=True):
+        assert colour == pytest.approx(shade(deviation / 1000, 0.02).unit, abs=0.003), "as in all other pictures"
     assert found["plain"]
     assert "Traceback" not in found["said"]
 

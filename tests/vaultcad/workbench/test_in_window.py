@@ -25,6 +25,7 @@ def test_from_the_menu_to_a_fitted_vault(in_window, tmp_path: Path) -> None:
     assert found["painted"] == 5, "four webs and the stone"
     assert found["status"].startswith("Groin vault001: span_x = 400 lies outside")
     assert found["face"] == "web_south"
+    assert found["legend"] == ["−20 mm\nroom", "0", "+20 mm\nstone"], "as the points are coloured"
     assert "edited since the fit" not in found["as fitted"]
     assert "edited since the fit" in found["edited"]
     assert found["scan"]["mode"] == "Color"

@@ -89,6 +89,7 @@ def work():
     after = look(opened, again)  # colours are kept with eight bits
     found["opened"] = {**after, "colours": 0} == {**before, "colours": 0} and client.FITTER.pid is None
     again.Show = "Colour"
+    found["scale"] = [scan.colour(deviation, 20.0) for deviation in given.GIVEN["deviations"]]
     found["plain"] = list(again.Color) == list(again.ScanColor)
     return found
 

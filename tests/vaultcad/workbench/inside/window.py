@@ -92,7 +92,9 @@ def user(found):
     yield 500
     screenshot("below")
     found["painted"] = len(set(fitted.ViewObject.DiffuseColor))
+    scan.Limit = "20 mm"
     page = panel.ResultPanel([fitted])
+    found["legend"] = [label.text() for label in page.form[0].findChildren(QtGui.QLabel)[1:4]]
     found["as fitted"] = page.form[0].findChildren(QtGui.QLabel)[0].text()
     fitted.SpanX = "5 m"
     document.recompute()

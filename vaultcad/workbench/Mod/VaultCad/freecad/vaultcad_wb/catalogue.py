@@ -27,7 +27,7 @@ KINDS = {
 }
 SIGNED = "App::PropertyDistance"  # for lengths that may be negative
 
-_families: dict[str, Declaration] = {}
+_told: dict[str, Any] = {}  # what the worker answered
 
 
 def families() -> dict[str, Declaration]:
@@ -36,9 +36,25 @@ def families() -> dict[str, Declaration]:
     Raises:
         client.GoneError: the worker cannot be had.
     """
-    if not _families:
-        _families.update((family["id"], family) for family in BUILDER.ask("families")["families"])
-    return _families
+    found: dict[str, Declaration] = _asked()["families"]
+    return found
+
+
+def scale() -> dict[str, Any]:
+    """How deviations are coloured: `stops`, pairs of a share of the limit and a colour; `unknown`; usual `limit` [mm].
+
+    Raises:
+        client.GoneError: the worker cannot be had.
+    """
+    found: dict[str, Any] = _asked()["deviations"]
+    return found
+
+
+def _asked() -> dict[str, Any]:
+    if not _told:
+        told = BUILDER.ask("families")
+        _told.update(told, families={family["id"]: family for family in told["families"]})
+    return _told
 
 
 def title(name: str) -> str:

@@ -10,11 +10,10 @@ from typing import Any
 import FreeCADGui as Gui
 from PySide import QtCore, QtGui
 
-from .catalogue import families, shown
+from .catalogue import families, scale, shown
 from .client import GoneError, RefusedError
 from .fit import Fit
 from .fit import report as measured
-from .scan import LIMIT, SCALE
 from .texts import complain, translate
 from .view import icon
 
@@ -121,6 +120,7 @@ class ResultPanel:
         if measured(obj) is None:
             why = translate("VaultCad", "edited since the fit, and not measured: these are the figures of the fit")
             report["flags"] = [why, *report["flags"]]
+        scan = getattr(obj, "Scan", None)
         page = QtGui.QWidget()
         page.setWindowTitle(obj.Label)
         page.setWindowIcon(QtGui.QIcon(icon(obj.Proxy.declaration["id"])))
@@ -129,7 +129,7 @@ class ResultPanel:
         summary = QtGui.QLabel(_summary(report))
         summary.setWordWrap(True)
         layout.addWidget(summary)
-        layout.addWidget(_legend())
+        layout.addWidget(_legend(scan.Limit.Value if scan else scale()["limit"]))
         layout.addWidget(_table(report["estimates"]))
         if report["alternatives"]:
             layout.addLayout(_alternatives(obj, report))
@@ -150,24 +150,24 @@ def _summary(report: dict[str, Any]) -> str:
     return "<br>".join(rows)
 
 
-def _legend() -> Any:
-    """The scale of the deviations, as the points are coloured."""
+def _legend(limit: float) -> Any:
+    """The scale of the deviations as far as a limit [mm], as the points are coloured."""
     stops = ", ".join(
-        f"stop:{at} rgb({', '.join(str(round(255 * c)) for c in colour)})"
-        for at, colour in zip((0, 0.5, 1), SCALE, strict=True)
+        f"stop:{(1 + share) / 2:g} rgb({', '.join(str(round(255 * c)) for c in colour)})"
+        for share, colour in scale()["stops"]
     )
     room, stone = translate("VaultCad", "room"), translate("VaultCad", "stone")
-    scale = QtGui.QFrame()
-    scale.setObjectName("scale")  # or each label would have a scale of its own
-    scale.setStyleSheet(f"#scale {{ background: qlineargradient(x1:0, x2:1, {stops}) }} QLabel {{ color: black }}")
-    row = QtGui.QHBoxLayout(scale)
+    bar = QtGui.QFrame()
+    bar.setObjectName("scale")  # or each label would have a scale of its own
+    bar.setStyleSheet(f"#scale {{ background: qlineargradient(x1:0, x2:1, {stops}) }} QLabel {{ color: black }}")
+    row = QtGui.QHBoxLayout(bar)
     row.setContentsMargins(4, 2, 4, 2)
     left, middle, right = QtCore.Qt.AlignLeft, QtCore.Qt.AlignCenter, QtCore.Qt.AlignRight
-    for text, side in ((f"−{LIMIT:g} mm\n{room}", left), ("0", middle), (f"+{LIMIT:g} mm\n{stone}", right)):
+    for text, side in ((f"−{limit:g} mm\n{room}", left), ("0", middle), (f"+{limit:g} mm\n{stone}", right)):
         label = QtGui.QLabel(text)
         label.setAlignment(side | QtCore.Qt.AlignVCenter)
         row.addWidget(label, 1)
-    return scale
+    return bar
 
 
 def _table(estimates: dict[str, dict[str, Any]]) -> Any:

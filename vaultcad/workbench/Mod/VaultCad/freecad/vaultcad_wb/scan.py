@@ -6,21 +6,19 @@ import math
 import tempfile
 from array import array
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import FreeCAD as App
 import Points
 
-from .client import FITTER
-from .texts import say, translate
+from .catalogue import scale
+from .client import FITTER, GoneError
+from .texts import complain, say, translate
 
 BYTES, FLOATS = 3, 12  # of one point: its colour, and its coordinates
 SHOWS = ("Colour", "Deviation")
-LIMIT = 30.0  # [mm], deviation of the strongest colour
-OFF = (0.75, 0.75, 0.75)  # points on no vault
-# Blue in the room, white on the model, red in the stone: told apart by the colour-blind too.
-SCALE = ((0.13, 0.40, 0.67), (0.97, 0.97, 0.97), (0.70, 0.09, 0.17))
 
 Colour = tuple[float, ...]  # red, green, blue from 0 to 1
 
@@ -76,11 +74,14 @@ def show_deviations(obj: Any, deviations: Sequence[float]) -> None:
 
 def colour(deviation: float, limit: float) -> Colour:
     """The colour of a deviation [mm], positive in the stone; grey where there is none."""
+    told = scale()
     if math.isnan(deviation):
-        return OFF
+        return tuple(told["unknown"])
     share = max(-1.0, min(1.0, deviation / limit))
-    end, t = SCALE[0 if share < 0 else 2], abs(share)
-    return tuple(m + t * (e - m) for m, e in zip(SCALE[1], end, strict=True))
+    stops = told["stops"]
+    (low, first), (high, last) = next(pair for pair in pairwise(stops) if share <= pair[1][0])
+    t = (share - low) / (high - low)
+    return tuple(a + t * (b - a) for a, b in zip(first, last, strict=True))
 
 
 class Scan:
@@ -122,7 +123,7 @@ class Scan:
         ):
             obj.addProperty(kind, name, group, text)
         obj.Up, obj.Show = ["Z", "Y"], list(SHOWS)
-        obj.Limit = LIMIT
+        obj.Limit = scale()["limit"]
         self._hide(obj)
 
     def execute(self, obj: Any) -> None:
@@ -134,7 +135,10 @@ class Scan:
             return
         if obj.Show == "Deviation" and len(obj.Deviation) == len(obj.ScanColor) and obj.Limit.Value > 0:
             limit = obj.Limit.Value
-            obj.Color = [colour(value, limit) for value in obj.Deviation]
+            try:
+                obj.Color = [colour(value, limit) for value in obj.Deviation]
+            except GoneError as error:
+                complain(str(error))
         elif obj.ScanColor:
             obj.Color = obj.ScanColor
 

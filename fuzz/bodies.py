@@ -1,0 +1,55 @@
+"""What is room and what is stone, by the numeric surface alone: what bodies are measured against."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Vault
+from families.declaration.pieces import Lid, Piece
+from families.declaration.plan import Plan
+from families.declaration.vault import IDENTITY
+from families.void import kernel
+
+Array = NDArray[np.float64]
+Within = Callable[[Array], NDArray[np.bool_]]
+BOX = np.random.default_rng(0).uniform((-1, -1, 0), 1, (400_000, 3))
+
+
+def inside(pieces: tuple[Piece, ...], plan: Plan | None, points: Array) -> NDArray[np.bool_]:
+    """Whether points (n, 3) [m] are in a void above the springing; pieces with a foot stand free of the plan."""
+    found = np.zeros(len(points), bool)
+    for piece in pieces:
+        names = {name for part in piece.parts if not isinstance(part, Lid) for name in part.names}
+        names |= {part.below for part in piece.parts if getattr(part, "below", "")}
+        table = kernel.pack((piece,), tuple(sorted(names)))
+        here = kernel.distances(points, IDENTITY, table, kernel.pack_plan(None)) < 0
+        if piece.foot is not None and plan is not None:
+            here &= points[:, 2] > piece.foot
+        elif plan is not None:
+            here &= plan.holds(points[:, :2])
+        found |= here
+    return found & (points[:, 2] > 0)
+
+
+def room_of(vault: Vault) -> Within:
+    """The void of a vault."""
+    return lambda points: inside(vault.pieces(), vault.plan, points)
+
+
+def stone_of(vault: Vault, thickness: float) -> Within:
+    """Its masonry."""
+    pieces = vault.pieces()
+    grown, plan = tuple(piece.grown(thickness) for piece in pieces), vault.plan.grown(thickness)
+    return lambda points: inside(grown, plan, points) & ~inside(pieces, None, points)
+
+
+def volume_of(vault: Vault, within: Within, thickness: float, points: Array = BOX) -> tuple[float, float]:
+    """Volume [m³] by random points, and its standard deviation; domes stand beyond their square by the thickness."""
+    half = vault.plan.half + 2 * thickness
+    top = max(part.top for piece in vault.pieces() for part in piece.parts) + 2 * thickness
+    size = np.array([*half, top])
+    share, whole = float(within(size * points).mean()), 4 * float(size.prod())
+    return whole * share, whole * float(np.sqrt(max(share * (1 - share), 1e-5) / len(points)))
