@@ -25,9 +25,10 @@ SAME_HEIGHT = 1e-7  # [m], heights nearer than that are one
 DENSE = 257  # places at which a curve is looked at before it is laid
 NODES = 49, 97, 193, 385  # places through which it is laid, so many that it is near enough
 NEAR_ENOUGH = 2e-8  # [m] that it may be off the surfaces between these
-INWARDS = 1e-6, 1e-3  # [m] beside an edge, where it is looked which roof shows: farther where two are as high all along
+INWARDS = 1e-3  # [m] beside an edge on which two roofs are as high all along, where it is looked which shows
 HALVED = 14  # times that a cell may be halved
 EDGE_SHARES = (1 - np.cos(np.pi * (np.arange(24) + 0.5) / 24)) / 2
+MIDST = slice(6, 18)  # of these
 RAYS = np.array([0.15, 0.4, 0.7, 0.9])  # of the way from the middle of a cell to its boundary
 
 
@@ -139,6 +140,7 @@ class _Outline:
     cell: Cell
     rows: NDArray[np.int64]
     owners: NDArray[np.int64]
+    tangled: bool = False  # whether what shows changes along an edge on which two roofs are as high
 
     @cached_property
     def middle(self) -> Vector:
@@ -148,14 +150,15 @@ class _Outline:
         """In order; empty where one roof shows all around."""
         ground = self.skin.ground
         x, y, parts, at = ground.outline(self.cell, EDGE_SHARES)
-        dx, dy = ground.inwards(self.cell, EDGE_SHARES)
-        near, far = INWARDS
-        label, sure = self._shown(x + near * dx, y + near * dy)
-        for k in range(len(self.cell.loop)):
-            edge = parts == k
-            if not sure[edge].any():  # two roofs are as high all along: what shows beside it counts
-                a, b = x[edge] + far * dx[edge], y[edge] + far * dy[edge]
+        label, sure = shown(x, y, self.skin.table, self.rows, self.owners)
+        unsure = [k for k in range(len(self.cell.loop)) if not sure[parts == k].any()]
+        if unsure:
+            dx, dy = ground.inwards(self.cell, EDGE_SHARES)
+            for k in unsure:
+                edge = np.flatnonzero(parts == k)[MIDST]  # at its ends the next edge is as near
+                a, b = x[edge] + INWARDS * dx[edge], y[edge] + INWARDS * dy[edge]
                 label[edge], sure[edge] = self._shown(a, b)
+                self.tangled |= len(set(label[edge][sure[edge]].tolist())) > 1
         if not sure.any():  # all of them are as high everywhere
             sure[:], label[:] = True, label[0]
         self.labels = label[sure]
@@ -207,7 +210,7 @@ class _Outline:
             corner = way.at(end)
             if (
                 max(abs(corner[0] - place[0]), abs(corner[1] - place[1])) < SAME_PLACE
-                and abs(self._height(before, corner) - z) < SAME_PLACE
+                and max(abs(self._height(label, corner) - z) for label in (before, after)) < SAME_PLACE
             ):
                 return _Change(k, loop[k].start, corner, before, after)
         return _Change(part, t, place, before, after)
@@ -218,6 +221,8 @@ class _Outline:
 
     def regions(self, changes: list[_Change]) -> list[Region] | None:
         """The regions of the cell, None where it must be halved first."""
+        if self.tangled:
+            return None
         inside = self._inside()
         if not changes:
             label = int(self.labels[0])
@@ -231,7 +236,7 @@ class _Outline:
                 return None
             ways: list[list[Bound]] = [[Along(line, forward=False)], [Along(line, forward=True)]]
         elif len(changes) == 3:
-            middle = self._meeting([c.after for c in changes])
+            middle = self._meeting(labels, np.mean([c.place for c in changes], axis=0))
             if middle is None:
                 return None
             lines = [self._line(c.place, middle, c.before, c.after) for c in changes]
@@ -337,9 +342,8 @@ class _Outline:
         high = np.where(meets & (s >= 0), s, np.inf).min(axis=1)
         return np.where(np.isfinite(low), low, 0.0), np.where(np.isfinite(high), high, 0.0)
 
-    def _meeting(self, labels: list[int]) -> Vector | None:
-        """Where three roofs are as high, by Newton's method from the middle of the cell."""
-        place = np.array(self.middle)
+    def _meeting(self, labels: list[int], place: Array) -> Vector | None:
+        """Where three roofs are as high, by Newton's method from a place."""
         x, y, _, _ = self.skin.ground.outline(self.cell, np.array([0.0, 0.5]))
         size = max(np.ptp(x), np.ptp(y))
         step = 1e-6 * size
