@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from OCP.TopoDS import TopoDS_Shape
 
-from families.declaration.pieces import Ball, BarrelPart, Turned
+from families.declaration.pieces import BarrelPart, Turned
 from families.solid.envelope import Skin
 from families.solid.face_net import Net
 from families.solid.faces import Faces
 from families.solid.occ.shapes import is_sound, together
-from families.solid.plan_cells import SAME_PLACE, Cell, Cut, Ground
-from families.solid.roofs import Plane, Void
+from families.solid.plan_cells import SAME_PLACE, Cut, Ground
+from families.solid.roofs import Plane, Roof, Void
 
 Array = NDArray[np.float64]
 AROUND = 1.1  # of its reach, the square in which a plan with round sides is laid
@@ -47,24 +47,38 @@ def _laid(upper: Void, lower: Void | None) -> tuple[Net, Faces]:
     ground = _ground(upper)
     top, bottom = Skin(ground), Skin(ground)
     _cut(ground, upper.cuts())
-    kept: list[Cell] = []
+    kept, floors = [], _Floors()
     for cell in ground.cells:
-        if pieces := upper.over(*ground.inner(cell)):
-            top.lay(cell, pieces)
-            kept.append(cell)
+        place = ground.inner(cell)
+        if pieces := upper.over(*place):
+            floor = floors.under(pieces, upper.foot(*place))
+            top.lay(cell, [*pieces, *floor])
+            if floor and top.roofs[top.regions[-1].roof] is floor[0][0]:
+                top.regions.pop()  # a sphere that ends above the corner of a plan
+            else:
+                kept.append(cell)
     ground.cells = kept
     if lower is not None:
         _cut(ground, lower.cuts())
-    floors: dict[float, Plane] = {}
     for cell in ground.cells:
         place = ground.inner(cell)
-        foot = upper.foot(*place)
         above = [] if lower is None else lower.over(*place)
-        if not any(all(roof.lowest >= foot for roof in piece) for piece in above):
-            above.append([floors.setdefault(foot, Plane(foot))])
-        bottom.lay(cell, above)
+        bottom.lay(cell, [*above, *floors.under(above, upper.foot(*place))])
     net = Net()
     return net, Faces(net, ground, top, bottom, beyond=Void(upper.pieces, None) if lower is None else None)
+
+
+class _Floors:
+    """The floors of a body, one a height."""
+
+    def __init__(self) -> None:
+        self.known: dict[float, Plane] = {}
+
+    def under(self, pieces: list[list[Roof]], foot: float) -> list[list[Roof]]:
+        """The floor under pieces, as one more of them; nothing where one of them is never lower."""
+        if any(all(roof.lowest >= foot for roof in piece) for piece in pieces):
+            return []
+        return [[self.known.setdefault(foot, Plane(foot))]]
 
 
 def _ground(upper: Void) -> Ground:
@@ -84,12 +98,6 @@ def _ground(upper: Void) -> Ground:
         else:
             (x, y) = side.centre
             cuts += [Cut((1.0, 0.0), x), Cut((0.0, 1.0), y), Cut(side.centre, radius=side.radius)]
-    rounds = [part for piece in upper.pieces for part in piece.parts if isinstance(part, Ball | Turned)]
-    for side in plan.sides:
-        if side.centre is None:
-            a, b = side.normal
-            for centre in {part.centre for part in rounds}:
-                cuts.append(Cut((-b, a), -b * centre[0] + a * centre[1]))
     _cut(ground, cuts)
     return ground
 
@@ -104,14 +112,20 @@ def _reach(part: object) -> float:
 
 def _cut(ground: Ground, cuts: Iterable[Cut]) -> None:
     """Cut a ground by lines, then by circles, by each once."""
-    known: set[tuple[int, ...]] = set()
     ordered = sorted(cuts, key=lambda cut: cut.radius > 0)
-    for cut in ordered:
-        if cut.radius and cut.radius < SAME_PLACE:
-            continue
-        a, b = cut.normal
-        sign = -1 if not cut.radius and (a < -1e-9 or (abs(a) <= 1e-9 and b < 0)) else 1
-        key = tuple(round(value / SAME_PLACE) for value in (sign * a, sign * b, sign * cut.offset, cut.radius))
-        if key not in known:
+    known: set[tuple[int, ...]] = set()
+
+    def cut_once(cut: Cut) -> None:
+        if (key := cut.key) not in known:
             known.add(key)
             ground.cut(cut)
+
+    for cut in ordered:
+        if not cut.radius:
+            cut_once(cut)
+        elif cut.radius > SAME_PLACE and cut.key not in known and ground.meets(cut):
+            # A line may cross a circle twice, but not on either side of where it is nearest to its centre.
+            (x, y) = cut.normal
+            for line in (Cut((1.0, 0.0), x), Cut((0.0, 1.0), y), *ground.feet(cut.normal)):
+                cut_once(line)
+            cut_once(cut)

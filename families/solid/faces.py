@@ -33,6 +33,7 @@ MIDDLE = np.array([0.5])
 OUTSIDE = 1e-5  # [m] beyond a side, where it is looked what stands there
 LOOKS = 24  # places along a side at which it is looked what stands beyond
 SAME_STOP = 1e-9  # [m]
+ROUNDED = 1e-5  # [m]
 Piece = tuple[int, int]  # of a way, from one of its stops to the next
 
 
@@ -176,6 +177,7 @@ class Faces:
     def _join(self, forced: set[Piece]) -> None:
         """Drop the stops at which nothing changes: there only a cut of the plan is passed."""
         above, below = self.above, self.below
+        ends = self._edge_ends()
         self.above, self.below = {}, {}
         for way, stops in self.stops.items():
             kept: list[float] = []
@@ -183,7 +185,8 @@ class Faces:
             for k, stop in enumerate(stops):
                 here = above.get((way, k)), below.get((way, k))
                 if here == before and (way, k) not in forced and here != (None, None):
-                    continue
+                    if not any(other != way for other in ends.get(_rounded(*self.ground.ways[way].at(stop)), ())):
+                        continue
                 for seen, sides in zip((self.above, self.below), here, strict=True):
                     if sides is not None:
                         seen[way, len(kept)] = sides
@@ -191,6 +194,24 @@ class Faces:
                     kept.append(stop)
                 before = here
             self.stops[way] = kept
+
+    def _edge_ends(self) -> dict[tuple[int, int], set[int]]:
+        """The ways along which an edge ends at a place, by all that this may be rounded to."""
+        found: dict[tuple[int, int], set[int]] = defaultdict(set)
+        for way, stops in self.stops.items():
+            edges = [
+                any(len(set(seen[way, k])) > 1 for seen in (self.above, self.below) if (way, k) in seen)
+                for k in range(len(stops) - 1)
+            ]
+            for k, stop in enumerate(stops):
+                if edges[max(k - 1, 0) : k + 1] not in ([True, True], [False, False]) and any(
+                    edges[max(k - 1, 0) : k + 1]
+                ):
+                    x, y = self.ground.ways[way].at(stop)
+                    for a in (-SAME_PLACE, SAME_PLACE):
+                        for b in (-SAME_PLACE, SAME_PLACE):
+                            found[_rounded(x + a, y + b)].add(way)
+        return found
 
     def _span(self, piece: Piece) -> tuple[float, float]:
         way, k = piece
@@ -435,6 +456,10 @@ class Faces:
                 back[a, b].append(k)
         kept = [(step, end) for k, (step, end) in enumerate(zip(steps, ends, strict=True)) if k not in dropped]
         return regions(parameters, [step for step, _ in kept], [end for _, end in kept]) if kept else []
+
+
+def _rounded(x: float, y: float) -> tuple[int, int]:
+    return round(x / ROUNDED), round(y / ROUNDED)
 
 
 def _plan(points: Array) -> Array:

@@ -52,7 +52,9 @@ def _grid(plan: Plan) -> Array:
     x, y = (axis.ravel()[:, None] for axis in np.meshgrid(u, u, indexing="ij"))
     if len(plan.sides) == 4 and all(side.centre is None for side in plan.sides):
         a, b, c, d = plan.corners
-        quad: Array = ((1 - x) * (1 - y) * a + (1 + x) * (1 - y) * b + (1 + x) * (1 + y) * c + (1 - x) * (1 + y) * d) / 4
+        quad: Array = (
+            (1 - x) * (1 - y) * a + (1 + x) * (1 - y) * b + (1 + x) * (1 + y) * c + (1 - x) * (1 + y) * d
+        ) / 4
         return quad
     outline = plan.outline()
     middle = outline.mean(axis=0)

@@ -6,7 +6,7 @@ them, counterclockwise; neighbours share the way, and may part it at other place
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from math import atan2, cos, hypot, pi, sin
 
@@ -27,6 +27,13 @@ class Cut:
     normal: Vector
     offset: float = 0.0
     radius: float = 0.0
+
+    @property
+    def key(self) -> tuple[int, ...]:
+        """The same for cuts that are."""
+        a, b = self.normal
+        sign = -1 if not self.radius and (a < -SAME_PLACE or (abs(a) <= SAME_PLACE and b < 0)) else 1
+        return tuple(round(value / SAME_PLACE) for value in (sign * a, sign * b, sign * self.offset, self.radius))
 
     def side(self, x: float, y: float) -> float:
         """Signed distance [m] of a place; 0 where it lies on the cut."""
@@ -127,6 +134,31 @@ class Ground:
     def place(self, part: Part, share: float = 0.0) -> Vector:
         """Place at a share of a part."""
         return self.ways[part.way].at(part.start + share * (part.end - part.start) if share < 1 else part.end)
+
+    def meets(self, circle: Cut) -> bool:
+        """Whether a circle may leave a cell: one of them reaches beyond it, and one comes within."""
+        sides = [circle.side(*self.place(part)) for cell in self.cells for part in cell.loop]
+        return max(sides) > 0 and (min(sides) < 0 or any(self._foot(w, circle) is not None for w in self._lines()))
+
+    def feet(self, centre: Vector) -> list[Cut]:
+        """The lines through a place square to the straight ways of cells, where those come nearest to it."""
+        found = (self._foot(way, Cut(centre, radius=np.inf)) for way in self._lines())
+        return [foot for foot in found if foot is not None]
+
+    def _lines(self) -> Iterator[Way]:
+        numbers = {part.way for cell in self.cells for part in cell.loop}
+        return (way for way in (self.ways[k] for k in sorted(numbers)) if way.centre is None)
+
+    @staticmethod
+    def _foot(way: Way, circle: Cut) -> Cut | None:
+        """The line square to a way through a circle's centre, where it meets the way within the circle."""
+        (x, y), (a, b), (c, d) = circle.normal, way.start, way.end
+        size = hypot(c - a, d - b)
+        dx, dy = (c - a) / size, (d - b) / size
+        along, aside = dx * (x - a) + dy * (y - b), dx * (y - b) - dy * (x - a)
+        if not SAME_PLACE < along < size - SAME_PLACE or abs(aside) > circle.radius - SAME_PLACE:
+            return None
+        return Cut((dx, dy), dx * x + dy * y)
 
     def cut(self, cut: Cut) -> None:
         """Cut all cells."""

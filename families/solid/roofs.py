@@ -438,6 +438,7 @@ class Void:
         found: list[Cut] = []
         for piece, bodies in zip(self.pieces, self.bodies, strict=True):
             found += [*level_cuts(piece), *(cut for body in bodies for cut in body.cuts())]
+            found += [cut for body in bodies if isinstance(body.part, Ball) for cut in body.level(FLOOR)]
         return found
 
     def over(self, x: float, y: float) -> list[list[Roof]]:
