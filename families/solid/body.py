@@ -49,7 +49,7 @@ def _laid(upper: Void, lower: Void | None) -> tuple[Net, Faces]:
     _cut(ground, upper.cuts())
     kept, floors = [], _Floors()
     for cell in ground.cells:
-        place = ground.inner(cell)
+        place = cell.middle
         if pieces := upper.over(*place):
             floor = floors.under(pieces, upper.foot(*place))
             top.lay(cell, [*pieces, *floor])
@@ -61,7 +61,7 @@ def _laid(upper: Void, lower: Void | None) -> tuple[Net, Faces]:
     if lower is not None:
         _cut(ground, lower.cuts())
     for cell in ground.cells:
-        place = ground.inner(cell)
+        place = cell.middle
         above = [] if lower is None else lower.over(*place)
         bottom.lay(cell, [*above, *floors.under(above, upper.foot(*place))])
     net = Net()

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,7 @@ from families.declaration.plan import Vector
 from families.declaration.units import MM
 from families.solid.curves import Spline
 from families.solid.heights import change, heights, shown, trace
-from families.solid.plan_cells import SAME_PLACE, Cell, Cut, Ground, Part
+from families.solid.plan_cells import EIGHTHS, SAME_PLACE, Cell, Cut, Ground, Part
 from families.solid.roofs import Roof
 
 Array = NDArray[np.float64]
@@ -29,6 +28,7 @@ INWARDS = 1e-3  # [m] beside an edge on which two roofs are as high all along, w
 HALVED = 14  # times that a cell may be halved
 EDGE_SHARES = (1 - np.cos(np.pi * (np.arange(24) + 0.5) / 24)) / 2
 MIDST = slice(6, 18)  # of these
+THIRDS = np.array([0.0, 0.35, 0.65])
 RAYS = np.array([0.15, 0.4, 0.7, 0.9])  # of the way from the middle of a cell to its boundary
 
 
@@ -109,13 +109,13 @@ class Skin:
             yield from regions
             return
         if not depth:
-            x, y = found.middle
+            x, y = cell.middle
             raise ValueError(f"surfaces meet in too many lines at ({x:.3f}, {y:.3f}) m; change a parameter a little")
         for half in self._halves(cell):
             yield from self._parted(half, rows, owners, depth - 1)
 
     def _halves(self, cell: Cell) -> list[Cell]:
-        x, y, _, _ = self.ground.outline(cell, np.linspace(0, 1, 5)[:-1])
+        x, y = cell.outline(EIGHTHS)
         wide = np.ptp(x) > np.ptp(y)
         place = float((x.min() + x.max()) / 2 if wide else (y.min() + y.max()) / 2)
         return self.ground.parted(cell, Cut((1.0, 0.0) if wide else (0.0, 1.0), place))
@@ -142,14 +142,12 @@ class _Outline:
     owners: NDArray[np.int64]
     tangled: bool = False  # whether what shows changes along an edge on which two roofs are as high
 
-    @cached_property
-    def middle(self) -> Vector:
-        return self.skin.ground.inner(self.cell)
-
     def changes(self) -> list[_Change]:
         """In order; empty where one roof shows all around."""
         ground = self.skin.ground
-        x, y, parts, at = ground.outline(self.cell, EDGE_SHARES)
+        x, y = self.cell.outline(EDGE_SHARES)
+        parts = np.repeat(np.arange(len(self.cell.loop)), len(EDGE_SHARES))
+        at = np.concatenate([part.start + EDGE_SHARES * (part.end - part.start) for part in self.cell.loop])
         label, sure = shown(x, y, self.skin.table, self.rows, self.owners)
         unsure = [k for k in range(len(self.cell.loop)) if not sure[parts == k].any()]
         if unsure:
@@ -259,11 +257,11 @@ class _Outline:
     def _shown(self, x: Array, y: Array) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """What shows over places, and where they are in the cell and no other roof is as high."""
         label, sure = shown(x, y, self.skin.table, self.rows, self.owners)
-        return label, sure & self.skin.ground.within(self.cell, x, y)
+        return label, sure & self.cell.within(x, y)
 
     def _inside(self) -> list[int]:
-        x, y, _, _ = self.skin.ground.outline(self.cell, np.array([0.0, 0.35, 0.65]))
-        mx, my = self.middle
+        x, y = self.cell.outline(THIRDS)
+        mx, my = self.cell.middle
         xs = (mx + np.outer(RAYS, x - mx)).ravel()
         ys = (my + np.outer(RAYS, y - my)).ravel()
         label, sure = self._shown(xs, ys)
@@ -327,7 +325,7 @@ class _Outline:
 
     def _square(self, start: Array, end: Array, share: Array) -> tuple[Array, Array]:
         """How far the cell reaches to the right and to the left of places on a chord, square to it (n,)."""
-        x, y, _, _ = self.skin.ground.outline(self.cell, np.linspace(0, 1, 9)[:-1])
+        x, y = self.cell.outline(EIGHTHS)
         way = (end - start) / np.hypot(*(end - start))
         along = (x - start[0]) * way[0] + (y - start[1]) * way[1]
         aside = (y - start[1]) * way[0] - (x - start[0]) * way[1]
@@ -344,7 +342,7 @@ class _Outline:
 
     def _meeting(self, labels: list[int], place: Array) -> Vector | None:
         """Where three roofs are as high, by Newton's method from a place."""
-        x, y, _, _ = self.skin.ground.outline(self.cell, np.array([0.0, 0.5]))
+        x, y = self.cell.outline(EIGHTHS)
         size = max(np.ptp(x), np.ptp(y))
         step = 1e-6 * size
 
@@ -366,7 +364,7 @@ class _Outline:
         if np.abs(miss(place)).max() > 1e-9:
             return None
         found = float(place[0]), float(place[1])
-        return found if self.skin.ground.within(self.cell, place[:1], place[1:])[0] else None
+        return found if self.cell.within(place[:1], place[1:])[0] else None
 
 
 def _ahead(part: Part, start: float, end: float) -> bool:

@@ -184,9 +184,9 @@ class Faces:
             before: tuple[Sides | None, Sides | None] = (None, None)
             for k, stop in enumerate(stops):
                 here = above.get((way, k)), below.get((way, k))
-                if here == before and (way, k) not in forced and here != (None, None):
-                    if not any(other != way for other in ends.get(_rounded(*self.ground.ways[way].at(stop)), ())):
-                        continue
+                passed = here == before and (way, k) not in forced and here != (None, None)
+                if passed and not ends.get(_rounded(*self.ground.ways[way].at(stop)), set()) - {way}:
+                    continue
                 for seen, sides in zip((self.above, self.below), here, strict=True):
                     if sides is not None:
                         seen[way, len(kept)] = sides

@@ -96,6 +96,36 @@ def _on(way: Array, t: float) -> tuple[float, float]:
 
 
 @compiled
+def outline(parts: Array, shares: Array) -> tuple[Array, Array]:
+    """Places along parts of ways, each at all shares; behind a part's way stand its start and end."""
+    count = len(shares)
+    x, y = np.empty(len(parts) * count), np.empty(len(parts) * count)
+    for k in range(len(parts)):
+        for i in range(count):
+            t = parts[k, 9] + shares[i] * (parts[k, 10] - parts[k, 9])
+            x[k * count + i], y[k * count + i] = _on(parts[k], t)
+    return x, y
+
+
+@compiled
+def within(parts: Array, x: Array, y: Array) -> NDArray[np.bool_]:
+    """Whether places (n,) lie on the inner side of all parts of a loop."""
+    out = np.ones(len(x), np.bool_)
+    for i in range(len(x)):
+        for k in range(len(parts)):
+            forward = parts[k, 10] > parts[k, 9]
+            if parts[k, 6] == 0.0:
+                dx, dy = parts[k, 2] - parts[k, 0], parts[k, 3] - parts[k, 1]
+                inner_side = dx * (y[i] - parts[k, 1]) - dy * (x[i] - parts[k, 0]) > 0.0
+                out[i] &= inner_side == forward
+            else:
+                dx, dy = x[i] - parts[k, 4], y[i] - parts[k, 5]
+                inner_side = dx * dx + dy * dy < parts[k, 6] * parts[k, 6]
+                out[i] &= inner_side == ((parts[k, 8] > 0.0) == forward)
+    return out
+
+
+@compiled
 def change(
     way: Array, start: float, end: float, roofs: Array, rows: NDArray[np.int64], pieces: NDArray[np.int64]
 ) -> tuple[float, int]:

@@ -8,16 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from math import atan2, cos, hypot, pi, sin
+from functools import cached_property
+from math import atan2, cos, hypot, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import brentq
 
 from families.declaration.plan import Vector
+from families.solid.heights import outline, within
 
 Array = NDArray[np.float64]
 SAME_PLACE = 1e-6  # [m], places nearer than that are one
-HALF_TURN = pi + 1e-6
+HALVES, EIGHTHS = np.linspace(0, 1, 3)[:-1], np.linspace(0, 1, 9)[:-1]
 
 
 @dataclass(frozen=True)
@@ -59,10 +62,15 @@ class Way:
         return hypot(self.start[0] - self.centre[0], self.start[1] - self.centre[1])
 
     @property
-    def row(self) -> Array:
+    def numbers(self) -> tuple[float, ...]:
         """As the compiled functions take it."""
         arc = (0.0,) * 5 if self.centre is None else (*self.centre, self.radius, self.angle, self.sweep)
-        return np.array([*self.start, *self.end, *arc])
+        return *self.start, *self.end, *arc
+
+    @property
+    def row(self) -> Array:
+        """The same as an array."""
+        return np.array(self.numbers)
 
     def at(self, t: float) -> Vector:
         """Place at a parameter."""
@@ -87,14 +95,15 @@ class Way:
         if self.centre is None and not cut.radius:
             first, last = self._raw(cut, low), self._raw(cut, high)
             return low + (high - low) * first / (first - last)
-        first = self._raw(cut, low)
-        for _ in range(60):
+        if self.centre is None:
+            # The root between them of |start + t way - centre|² = radius².
+            (x, y), (a, b), (c, d) = cut.normal, self.start, self.end
+            square, half = (c - a) ** 2 + (d - b) ** 2, (a - x) * (c - a) + (b - y) * (d - b)
+            root = sqrt(max(half**2 - square * ((a - x) ** 2 + (b - y) ** 2 - cut.radius**2), 0.0))
+            found = [(-half - root) / square, (-half + root) / square]
             middle = (low + high) / 2
-            if (self._raw(cut, middle) > 0) == (first > 0):
-                low = middle
-            else:
-                high = middle
-        return (low + high) / 2
+            return min(found, key=lambda t: abs(t - middle))
+        return float(brentq(lambda t: self._raw(cut, t), low, high, xtol=1e-15))
 
     def _raw(self, cut: Cut, t: float) -> float:
         (x, y), (a, b) = self.at(t), cut.normal
@@ -112,9 +121,46 @@ class Part:
 
 @dataclass
 class Cell:
-    """A loop of parts, counterclockwise."""
+    """A loop of parts of ways, counterclockwise."""
 
     loop: list[Part]
+    ways: list[Way]
+
+    @cached_property
+    def table(self) -> Array:
+        """A row a part: its way as numbers, its start and its end."""
+        return np.array([(*self.ways[part.way].numbers, part.start, part.end) for part in self.loop])
+
+    @cached_property
+    def bulges(self) -> bool:
+        """Whether an arc of the boundary bends into the cell."""
+        ways = ((self.ways[part.way], part) for part in self.loop)
+        return any(way.centre is not None and way.sweep * (part.end - part.start) < 0 for way, part in ways)
+
+    @cached_property
+    def middle(self) -> Vector:
+        """A place well within: the middle or, where an arc bends into it, that of a chord far from the boundary."""
+        x, y = outline(self.table, HALVES)
+        place = float(x.mean()), float(y.mean())
+        if not self.bulges:
+            return place
+        x, y = outline(self.table, EIGHTHS)
+        candidates = np.array([place, *_across(x, y)])
+        a, b = candidates[within(self.table, *np.ascontiguousarray(candidates.T))].T
+        if not len(a):
+            return place
+        k = int(np.hypot(x - a[:, None], y - b[:, None]).min(axis=1).argmax())
+        return float(a[k]), float(b[k])
+
+    def outline(self, shares: Array) -> tuple[Array, Array]:
+        """Places x, y (n,) along the boundary at shares (k,) of each part."""
+        x, y = outline(self.table, shares)
+        return x, y
+
+    def within(self, x: Array, y: Array) -> NDArray[np.bool_]:
+        """Whether places (n,) are in the cell, which is what lies on the inner side of all its lines and circles."""
+        found: NDArray[np.bool_] = within(self.table, x, y)
+        return found
 
 
 @dataclass
@@ -129,7 +175,7 @@ class Ground:
         """One cell."""
         places = list(corners)
         ways = [Way(a, b) for a, b in zip(places, [*places[1:], places[0]], strict=True)]
-        return Ground(ways, [Cell([Part(k, 0.0, 1.0) for k in range(len(ways))])])
+        return Ground(ways, [Cell([Part(k, 0.0, 1.0) for k in range(len(ways))], ways)])
 
     def place(self, part: Part, share: float = 0.0) -> Vector:
         """Place at a share of a part."""
@@ -189,7 +235,7 @@ class Ground:
         above = [loop[(first + k) % size][0] for k in range((last - first) % size)]
         below = [loop[(last + k) % size][0] for k in range((first - last) % size)]
         way = self._between(cut, self.place(loop[last][0]), self.place(loop[first][0]))
-        return [Cell([*above, Part(way, 0.0, 1.0)]), Cell([*below, Part(way, 1.0, 0.0)])]
+        return [Cell([*above, Part(way, 0.0, 1.0)], self.ways), Cell([*below, Part(way, 1.0, 0.0)], self.ways)]
 
     def _between(self, cut: Cut, start: Vector, end: Vector) -> int:
         if cut.radius:
@@ -200,18 +246,6 @@ class Ground:
         else:
             self.ways.append(Way(start, end))
         return len(self.ways) - 1
-
-    def outline(self, cell: Cell, shares: Array) -> tuple[Array, Array, NDArray[np.int64], Array]:
-        """Places x, y (n,) along a cell's boundary at shares (k,) of each part, with the part and parameter of each."""
-        xs, ys, owners, at = [], [], [], []
-        for k, part in enumerate(cell.loop):
-            t = part.start + shares * (part.end - part.start)
-            x, y = self.ways[part.way].places(t)
-            xs.append(x)
-            ys.append(y)
-            owners.append(np.full(len(t), k))
-            at.append(t)
-        return np.concatenate(xs), np.concatenate(ys), np.concatenate(owners), np.concatenate(at)
 
     def inwards(self, cell: Cell, shares: Array) -> tuple[Array, Array]:
         """Unit vectors, x and y (n,), square to a cell's boundary and into it, at the places of `outline`."""
@@ -229,33 +263,6 @@ class Ground:
                 xs.append(outside * np.cos(angle))
                 ys.append(outside * np.sin(angle))
         return np.concatenate(xs), np.concatenate(ys)
-
-    def within(self, cell: Cell, x: Array, y: Array) -> NDArray[np.bool_]:
-        """Whether places (n,) lie in a cell, which is what lies on the inner side of all its lines and circles."""
-        found = np.ones(len(x), bool)
-        for part in cell.loop:
-            way, forward = self.ways[part.way], part.end > part.start
-            if way.centre is None:
-                (a, b), (c, d) = way.start, way.end
-                aside = (c - a) * (y - b) - (d - b) * (x - a)
-                found &= (aside > 0) == forward
-            else:
-                (a, b), radius = way.centre, way.radius
-                found &= ((x - a) ** 2 + (y - b) ** 2 < radius**2) == ((way.sweep > 0) == forward)
-        return found
-
-    def inner(self, cell: Cell) -> Vector:
-        """A place well within a cell: its middle or that of a chord, whichever is farthest from its boundary."""
-        shares = np.array([0.0, 0.5])
-        x, y, _, _ = self.outline(cell, shares)
-        place = float(x.mean()), float(y.mean())
-        if len(cell.loop) > 2 and all(self.ways[part.way].centre is None for part in cell.loop):
-            return place
-        x, y, _, _ = self.outline(cell, np.linspace(0, 1, 9)[:-1])
-        candidates = [place, *_across(x, y)]
-        within = self.within(cell, *np.array(candidates).T)
-        found = [other for other, inside in zip(candidates, within.tolist(), strict=True) if inside]
-        return max(found, key=lambda at: float(np.hypot(x - at[0], y - at[1]).min()), default=place)
 
 
 def _across(x: Array, y: Array) -> Iterable[Vector]:

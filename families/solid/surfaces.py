@@ -8,7 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from math import hypot, pi
+from math import asin, atan2, hypot, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,7 @@ from families.void.profile_outline import Bow
 Array = NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])
 PARALLEL = 1e-12
+NEAR_AXIS = 1e-6  # [mm] that a ring's centre may be off an axis
 
 
 class Sheet(ABC):
@@ -251,6 +252,19 @@ class Moved(Sheet):
         return np.stack([arc_parameter(angle, bow.start, bow.end), (along - first) / (last - first)], axis=1)
 
 
+def _around(path: Path, centre: Vector, about: float, height: float) -> Geom2d_Curve | None:
+    """A ring about an upright axis as a line of azimuths at a parameter v, None for other paths."""
+    if not isinstance(path, Conic) or path.a != path.b or abs(path.x[2]) + abs(path.y[2]) > PARALLEL:
+        return None
+    if abs(path.centre[0] - centre[0]) + abs(path.centre[1] - centre[1]) > NEAR_AXIS:
+        return None
+    turn = 1.0 if path.x[0] * path.y[1] - path.x[1] * path.y[0] > 0 else -1.0
+    first = atan2(path.x[1], path.x[0])
+    # The middle of a quarter, by its angle from the start, tells which turn is meant.
+    shift = _near(np.array([first + turn * pi / 4]), about)[0] - (first + turn * pi / 4)
+    return Geom2d_Line(gp_Pnt2d(first + shift, height), gp_Dir2d(turn, 0.0))
+
+
 @dataclass(frozen=True)
 class Round(Sheet):
     """Sphere. u and v are its longitude and latitude about `pole`, an axis of the frame; u is nearest to `about`."""
@@ -259,6 +273,15 @@ class Round(Sheet):
     radius: float
     pole: int = 2
     about: float = pi
+
+    def trace(self, path: Path, start: float, end: float) -> Geom2d_Curve:
+        """Rings about an upright pole are straight."""
+        if self.pole == 2 and isinstance(path, Conic):
+            x, y, z = self.centre
+            latitude = asin(min(max((path.centre[2] - z) / self.radius, -1.0), 1.0))
+            if (line := _around(path, (x, y), self.about, latitude)) is not None:
+                return line
+        return super().trace(path, start, end)
 
     @cached_property
     def geometry(self) -> Geom_Surface:
@@ -286,6 +309,14 @@ class Revolved(Sheet):
     centre: Vector
     about: float
 
+    def trace(self, path: Path, start: float, end: float) -> Geom2d_Curve:
+        """Rings are straight."""
+        if isinstance(path, Conic):
+            v = float(self.parameters(path.points(np.array([start])))[0, 1])
+            if (line := _around(path, self.centre, self.about, v)) is not None:
+                return line
+        return super().trace(path, start, end)
+
     @cached_property
     def geometry(self) -> Geom_Surface:
         """Surface of revolution."""
@@ -309,6 +340,14 @@ class Drum(Sheet):
     centre: Vector
     radius: float
     about: float
+
+    def trace(self, path: Path, start: float, end: float) -> Geom2d_Curve:
+        """Rings and plumb lines are straight."""
+        if isinstance(path, Straight) and abs(path.direction[2]) > 1 - PARALLEL:
+            u, v = self.parameters(path.points(np.zeros(1)))[0].tolist()
+            return Geom2d_Line(gp_Pnt2d(u, v), gp_Dir2d(0.0, path.direction[2]))
+        line = _around(path, self.centre, self.about, path.centre[2]) if isinstance(path, Conic) else None
+        return super().trace(path, start, end) if line is None else line
 
     @cached_property
     def geometry(self) -> Geom_Surface:
