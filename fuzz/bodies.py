@@ -48,8 +48,7 @@ def stone_of(vault: Vault, thickness: float) -> Within:
 
 def volume_of(vault: Vault, within: Within, thickness: float, points: Array = BOX) -> tuple[float, float]:
     """Volume [m³] by random points, and its standard deviation; domes stand beyond their square by the thickness."""
-    half = vault.plan.half + 2 * thickness
-    top = max(part.top for piece in vault.pieces() for part in piece.parts) + 2 * thickness
-    size = np.array([*half, top])
+    top = max(part.top for piece in vault.pieces() for part in piece.grown(thickness).parts)
+    size = np.array([*(vault.plan.half + 2 * thickness), top])
     share, whole = float(within(size * points).mean()), 4 * float(size.prod())
     return whole * share, whole * float(np.sqrt(max(share * (1 - share), 1e-5) / len(points)))
