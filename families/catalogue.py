@@ -11,16 +11,23 @@ from families.declaration.corners import Skew
 from families.declaration.lengths import RATIOS, with_lengths
 from families.declaration.profiles import PROFILES, Profile
 from families.declaration.vault import SCHEMA, Vault
+from families.kinds.annular import Annular
 from families.kinds.barrel import Barrel
+from families.kinds.cloister import Cloister
+from families.kinds.conch import Conch
 from families.kinds.dome import Dome
 from families.kinds.groin import Groin
 from families.kinds.lunette import Lunette
 from families.kinds.mirror import Mirror
+from families.kinds.rotunda import Rotunda
 from families.kinds.sail import Sail
 from families.kinds.trough import Trough
 
 SKEWS = tuple(Skew().values())
-FAMILIES: tuple[type[Vault], ...] = (Sail, Barrel, Lunette, Trough, Mirror, Groin, Dome)
+FAMILIES: tuple[type[Vault], ...] = (
+    *(Sail, Barrel, Lunette, Trough, Mirror, Groin, Dome),
+    *(Cloister, Conch, Annular, Rotunda),
+)
 
 
 def family(name: str) -> type[Vault]:

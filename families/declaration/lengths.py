@@ -25,6 +25,10 @@ RATIOS: dict[str, dict[str, str]] = {
         "offset_x": "offset_x_ratio",
         "offset_y": "offset_y_ratio",
     },
+    "cloister": {"drum_height": "drum_ratio", "rise": "rise_ratio"},
+    "conch": {"rise": "rise_ratio"},
+    "annular": {"span": "span_ratio", "rise": "rise_ratio"},
+    "rotunda": {"drum_height": "drum_ratio", "rise": "rise_ratio"},
     "dome": {"dome_rise": "rise_ratio", "drum_height": "drum_ratio", "pendentive_radius": "pendentive_ratio"},
 }
 """Family -> derived length -> the one parameter that it decides, in the order in which they hang on each other."""

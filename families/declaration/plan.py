@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import atan2, cos, hypot, pi, sin
@@ -196,6 +196,18 @@ class Plan:
             pair = np.flatnonzero(table[:, SHAPE] == STRAIGHT)
             table[pair, SHAPE], table[pair, OTHER] = NOTCH, pair[::-1]
         return table
+
+    def moved(self, x: float, y: float) -> Plan:
+        """The same elsewhere, by x and y [m]."""
+
+        def there(point: Vector) -> Vector:
+            return point[0] + x, point[1] + y
+
+        sides = (
+            replace(s, start=there(s.start), end=there(s.end), centre=None if s.centre is None else there(s.centre))
+            for s in self.sides
+        )
+        return replace(self, sides=tuple(sides))
 
     @cached_property
     def axes(self) -> tuple[Axis, Axis]:

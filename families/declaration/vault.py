@@ -48,10 +48,22 @@ class Vault(Parametric):
 
     id: ClassVar[str]
     title: ClassVar[str]
-    aliases: ClassVar[dict[str, tuple[str, ...]]]  # language code -> names
+    aliases: ClassVar[Mapping[str, tuple[str, ...]]]  # language code -> names
     constraints: ClassVar[tuple[Constraint, ...]] = ()  # in the order in which a fit tries them
 
+    four_corners: ClassVar[bool] = True  # whether its plan has four corners, which may be free
+
     skew: Skew | None = field(default=None, kw_only=True)  # where the plan is no rectangle
+
+    def __post_init__(self) -> None:
+        """Refuse values that cannot be.
+
+        Raises:
+            ValueError: one is outside its range, or free corners are given to a plan that has not four.
+        """
+        if self.skew is not None and not self.four_corners:
+            raise ValueError(f"the plan of a {self.title} has no four corners that could be free")
+        super().__post_init__()
 
     @property
     @abstractmethod
@@ -135,11 +147,17 @@ class Vault(Parametric):
         """The corners of the plan (n, 2) [m], counterclockwise from south west."""
         return self.plan.corners
 
-    def over(self, half_x: float, half_y: float, *, on_wall_x: bool = False, on_wall_y: bool = False) -> Plan:
-        """The plan of these half extents [m], or that of four free corners which stands for it."""
-        if self.skew is None:
+    def over(
+        self, half_x: float, half_y: float, *, on_wall_x: bool = False, on_wall_y: bool = False, taper: float = 0.0
+    ) -> Plan:
+        """The plan of these half extents [m], or that of four free corners which stands for it.
+
+        `taper`: by as much more are both halves of the north side longer than in the middle, as a share.
+        """
+        if self.skew is None and not taper:
             return Plan.rectangle(half_x, half_y, on_wall_x, on_wall_y)
-        return Plan.polygon(self.skew.corners(half_x, half_y), (on_wall_y, on_wall_x, on_wall_y, on_wall_x))
+        corners = (self.skew or Skew()).corners(half_x, half_y, taper)
+        return Plan.polygon(corners, (on_wall_y, on_wall_x, on_wall_y, on_wall_x))
 
     def intrados(self) -> build123d.Compound:
         """The intrados [mm]: one labelled, coloured face or shell a component."""

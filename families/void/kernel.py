@@ -24,11 +24,13 @@ Array = NDArray[np.float64]
 PIECE, KIND, X, Y, ACROSS_X, ACROSS_Y, BASE, SIDE, CROWN_RISE, HALF_LENGTH, SLOPE, SPLAY, FLARE, RADIUS = range(14)
 HALF_SPAN, RISE, STILT, ARCS, U1, Z1, R1, U2, Z2, R2 = range(14, 24)
 NAME, NAMING = 24, 28  # four names from 24 on; NAMING says how the name is chosen
-WIDTH = 29
+FOOT = 29  # height from which on the piece is free of the plan, -inf if it never is
+WIDTH = 30
 
 BARREL, TAPERED, BALL, TURNED, CEILING, LID = range(6)  # TAPERED: a barrel that widens or grows higher
 ALONG, QUARTER, HEIGHT = range(3)  # NAMING: by the sign along the axis, by the corner of the plan, by the height
 BELOW = 2  # which of a barrel's names is that of its walls; 0 if they have none of their own
+SAME = 1e-9  # [m] within which two walls are one
 APEX = 1e-6  # share of its size at its origin that is left of a tapered barrel beyond its apex
 
 NO_WALLS = np.empty((0, 5))
@@ -37,8 +39,10 @@ NO_WALLS = np.empty((0, 5))
 def pack(pieces: tuple[Piece, ...], components: tuple[str, ...]) -> Array:
     """Table (bodies, WIDTH) of a void for the kernels below; component ids are 1 + index in `components`."""
     ids = {name: float(i + 1) for i, name in enumerate(components)}
-    rows = [_row(k, part, ids) for k, piece in enumerate(pieces) for part in piece.parts]
-    return np.array(rows)
+    table = np.array([_row(k, part, ids) for k, piece in enumerate(pieces) for part in piece.parts])
+    if any(piece.foot is not None for piece in pieces):
+        table[:, FOOT] = [-inf if piece.foot is None else piece.foot for piece in pieces for _ in piece.parts]
+    return table
 
 
 def pack_plan(plan: Plan | None) -> Array:
@@ -48,7 +52,7 @@ def pack_plan(plan: Plan | None) -> Array:
 
 def _row(piece: int, part: Part, ids: dict[str, float]) -> list[float]:
     row = [0.0] * WIDTH
-    row[PIECE] = piece
+    row[PIECE], row[FOOT] = piece, -inf
     match part:
         case BarrelPart():
             row[KIND], row[NAMING] = TAPERED if part.splay or part.flare else BARREL, ALONG
@@ -284,7 +288,8 @@ def _room(x: float, y: float, z: float, parts: Array, plan: Array) -> tuple[floa
     """
     d, name, row, nx, ny, nz = _void(x, y, z, parts)
     wall = _wall(x, y, plan)
-    if wall > d:
+    # Below the foot of a drum over the sides of the plan there is their wall.
+    if wall > d or (z < parts[row, FOOT] and wall > d - SAME):
         side = _nearest(x, y, plan, wall)
         d, name, row, nx, ny, nz = wall, 0, -1 - side, plan[side, CENTRE_X], plan[side, CENTRE_Y], 0.0
         if abs(plan[side, SHAPE]) == WITHIN:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from itertools import product
 from math import hypot, pi
@@ -10,7 +10,10 @@ from math import hypot, pi
 import numpy as np
 
 from families import (
+    Annular,
     Barrel,
+    Cloister,
+    Conch,
     Dome,
     Elliptical,
     Groin,
@@ -18,6 +21,7 @@ from families import (
     Mirror,
     Pointed,
     Profile,
+    Rotunda,
     Sail,
     Segmental,
     Trough,
@@ -30,7 +34,7 @@ from vaultcad.survey.thinned_scan import Site
 
 RATIOS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.7, 0.85, 1.0)  # rise / span
 NARROWEST = 0.5  # m; no family spans less
-DIRECTED = (Barrel, Lunette, Trough)  # a quarter turn of the others is one of them again
+DIRECTED = (Barrel, Lunette, Trough, Cloister, Conch, Annular)  # a quarter turn of the others is one of them again
 COARSE: tuple[type[Profile], ...] = (Segmental, Elliptical, Pointed)  # the others lie between these
 
 
@@ -73,6 +77,8 @@ def _quarters(family: type[Vault], site: Site, demands: Demands) -> tuple[int, .
     """Quarter turns of the site's axes to try."""
     if "yaw" in demands.pose:
         return (round((demands.pose["yaw"] - site.yaw) / (pi / 2)),)
+    if family in (Conch, Annular):  # open to one end
+        return (0, 1, 2, 3)
     return (0, 1) if family in DIRECTED or demands.of_vault else (0,)
 
 
@@ -131,6 +137,11 @@ def _dome(a: float, b: float) -> Iterator[tuple[Vault, float]]:
             yield vault, vault.rise
 
 
+def _own(family: type[Cloister | Conch | Annular | Rotunda]) -> Callable[[float, float], Iterator[tuple[Vault, float]]]:
+    """What the family itself declares."""
+    return lambda a, b: ((vault, vault.rise) for vault in family.first_guesses(a, b))
+
+
 GRIDS = {
     Sail: _sail,
     Barrel: _barrel,
@@ -139,4 +150,8 @@ GRIDS = {
     Mirror: _mirror,
     Groin: _groin,
     Dome: _dome,
+    Cloister: _own(Cloister),
+    Conch: _own(Conch),
+    Annular: _own(Annular),
+    Rotunda: _own(Rotunda),
 }

@@ -9,8 +9,11 @@ from math import pi
 import numpy as np
 
 from families import (
+    Annular,
     Barrel,
     BasketHandle,
+    Cloister,
+    Conch,
     Dome,
     Elliptical,
     Groin,
@@ -18,6 +21,7 @@ from families import (
     Mirror,
     Pointed,
     Profile,
+    Rotunda,
     Sail,
     Segmental,
     Semicircular,
@@ -152,6 +156,10 @@ VAULT: dict[str, Callable[[Random], Vault]] = {
     Mirror.id: _mirror,
     Groin.id: _groin,
     Dome.id: _dome,
+    Cloister.id: Cloister.drawn,
+    Conch.id: Conch.drawn,
+    Annular.id: Annular.drawn,
+    Rotunda.id: Rotunda.drawn,
 }
 
 
