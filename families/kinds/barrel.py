@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, ClassVar
 
 from families.declaration.constraints import Constraint
@@ -66,7 +67,7 @@ class Barrel(Vault):
         """Span by length; the springings stand on the walls."""
         return self.over(self.span / 2, self.length / 2, on_wall_x=True, taper=self.splay)
 
-    @property
+    @cached_property
     def axis(self) -> Axis:
         """Of the barrel, between the walls that it stands on."""
         return self.plan.axes[0]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import sqrt
 from typing import Annotated, ClassVar
 
@@ -71,7 +72,7 @@ class Dome(Vault):
         """Crown of the dome above the springing [m]."""
         return self.ring_height + self.drum_height + self.dome_rise
 
-    @property
+    @cached_property
     def drum_radius(self) -> float:
         """Radius of drum and dome [m]: as wide as fits between the walls, if these are askew."""
         return min(wall.offset for wall in self.plan.sides)

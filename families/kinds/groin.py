@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, ClassVar
 
 from families.declaration.constraints import Constraint
@@ -131,7 +132,7 @@ class Groin(Vault):
         """The rectangle of the wall arches."""
         return self.over(self.span_x / 2 + self.offset_x, self.span_y / 2 + self.offset_y)
 
-    @property
+    @cached_property
     def axes(self) -> tuple[Axis, Axis]:
         """Of the barrel across x and of that across y, between their springings."""
         half_x, half_y = self.span_x / 2, self.span_y / 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, ClassVar
 
 from families.declaration.constraints import Constraint
@@ -104,7 +105,7 @@ class Lunette(Vault):
         """Span by length; the springings stand on the walls."""
         return self.over(self.span / 2, self.length / 2, on_wall_x=True)
 
-    @property
+    @cached_property
     def axis(self) -> Axis:
         """Of the barrel, between the walls that it stands on."""
         return self.plan.axes[0]
