@@ -13,19 +13,26 @@ from families.declaration.profiles import (
     Stilted,
 )
 from families.declaration.vault import Surface, Vault
+from families.kinds.annular import Annular
 from families.kinds.barrel import Barrel
+from families.kinds.cloister import Cloister
+from families.kinds.conch import Conch
 from families.kinds.dome import Dome
 from families.kinds.groin import Groin
 from families.kinds.lunette import Lunette
 from families.kinds.mirror import Mirror
+from families.kinds.rotunda import Rotunda
 from families.kinds.sail import Sail
 from families.kinds.trough import Trough
 
 __all__ = [
     "FAMILIES",
     "PROFILES",
+    "Annular",
     "Barrel",
     "BasketHandle",
+    "Cloister",
+    "Conch",
     "Dome",
     "Elliptical",
     "Groin",
@@ -35,6 +42,7 @@ __all__ = [
     "Pointed",
     "Profile",
     "Range",
+    "Rotunda",
     "Sail",
     "Segmental",
     "Semicircular",

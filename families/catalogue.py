@@ -12,11 +12,15 @@ from families.declaration.facts import check_facts
 from families.declaration.lengths import with_lengths
 from families.declaration.profiles import PROFILES, Profile
 from families.declaration.vault import SCHEMA, Vault
+from families.kinds.annular import Annular
 from families.kinds.barrel import Barrel
+from families.kinds.cloister import Cloister
+from families.kinds.conch import Conch
 from families.kinds.dome import Dome
 from families.kinds.groin import Groin
 from families.kinds.lunette import Lunette
 from families.kinds.mirror import Mirror
+from families.kinds.rotunda import Rotunda
 from families.kinds.sail import Sail
 from families.kinds.trough import Trough
 
@@ -150,5 +154,5 @@ def _plain(name: str) -> str:
     return "".join(c for c in bare if c.isalnum())
 
 
-for _kind in (Sail, Barrel, Lunette, Trough, Mirror, Groin, Dome):
+for _kind in (Sail, Barrel, Lunette, Trough, Mirror, Groin, Dome, Cloister, Conch, Annular, Rotunda):
     register(_kind)

@@ -22,9 +22,10 @@ class Skew(Parametric):
     taper_x: Annotated[float, Range(-0.5, 0.5, "1", "north side less the middle span in x / that span")] = 0.0
     taper_y: Annotated[float, Range(-0.5, 0.5, "1", "east side less the middle span in y / that span")] = 0.0
 
-    def corners(self, half_x: float, half_y: float) -> tuple[Vector, ...]:
-        """The corners of what had these half extents [m], counterclockwise from south west."""
+    def corners(self, half_x: float, half_y: float, taper: float = 0.0) -> tuple[Vector, ...]:
+        """The corners of what had these half extents [m], counterclockwise from south west; more `taper` along x."""
+        taper_x = self.taper_x + taper
         return tuple(
-            (a * half_x * (1 + self.taper_x * b) + self.shear * b * half_y, b * half_y * (1 + self.taper_y * a))
+            (a * half_x * (1 + taper_x * b) + self.shear * b * half_y, b * half_y * (1 + self.taper_y * a))
             for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))
         )

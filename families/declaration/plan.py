@@ -17,6 +17,7 @@ CENTRE_X, CENTRE_Y, REACH, SHAPE, OTHER = range(5)  # OTHER: the row of a notch'
 # SHAPE: WITHIN and BEYOND a circle is where the plan lies. BOX: a side of a rectangle about the origin along x and y,
 # which most plans are; two absolute values instead of four products make a million distances up to a third quicker.
 STRAIGHT, WITHIN, BEYOND, NOTCH, BOX = 0.0, 1.0, -1.0, 2.0, 3.0
+BOX_TABLE = np.array([[x, y, 0.0, BOX, 0.0] for x, y in ((0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0))])
 X: Vector = (1.0, 0.0)
 Y: Vector = (0.0, 1.0)
 
@@ -111,7 +112,13 @@ class Plan:
     def rectangle(half_x: float, half_y: float, on_wall_x: bool = False, on_wall_y: bool = False) -> Plan:
         """By half extents [m]: sides south, east, north, west; `on_wall_x` speaks of those at the ends of x."""
         corners = ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y))
-        return Plan.polygon(corners, (on_wall_y, on_wall_x, on_wall_y, on_wall_x))
+        plan = Plan.polygon(corners, (on_wall_y, on_wall_x, on_wall_y, on_wall_x))
+        # What follows from the sides is known beforehand: an optimiser waits for thousands of them.
+        table = BOX_TABLE.copy()
+        table[:, REACH] = half_y, half_x, half_y, half_x
+        axes = Axis((0.0, 0.0), X, half_x, 0.0, half_y), Axis((0.0, 0.0), Y, half_y, 0.0, half_x)
+        vars(plan).update(table=table, axes=axes)
+        return plan
 
     @staticmethod
     def polygon(corners: tuple[Vector, ...], on_wall: tuple[bool, ...] | bool = False) -> Plan:
@@ -196,6 +203,18 @@ class Plan:
             pair = np.flatnonzero(table[:, SHAPE] == STRAIGHT)
             table[pair, SHAPE], table[pair, OTHER] = NOTCH, pair[::-1]
         return table
+
+    def moved(self, x: float, y: float) -> Plan:
+        """The same elsewhere, by x and y [m]."""
+
+        def there(point: Vector) -> Vector:
+            return point[0] + x, point[1] + y
+
+        sides = (
+            replace(s, start=there(s.start), end=there(s.end), centre=None if s.centre is None else there(s.centre))
+            for s in self.sides
+        )
+        return replace(self, sides=tuple(sides))
 
     @cached_property
     def axes(self) -> tuple[Axis, Axis]:

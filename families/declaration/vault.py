@@ -69,12 +69,24 @@ class Vault(Parametric):
     quarter_turn: ClassVar[Symmetry | None]  # what a turn by 90° changes; None if it is none of the family then
     half_turn: ClassVar[Symmetry] = Symmetry()
 
+    four_corners: ClassVar[bool] = True  # whether its plan has four corners, which may be free
+
     skew: Skew | None = field(default=None, kw_only=True)  # where the plan is no rectangle
 
     def __init_subclass__(cls, **given: Any) -> None:
         """See that nothing is missing. Raises TypeError with a sentence that says what is."""
         super().__init_subclass__(**given)
         demand_facts(cls, Vault)
+
+    def __post_init__(self) -> None:
+        """Refuse values that cannot be.
+
+        Raises:
+            ValueError: one is outside its range, or free corners are given to a plan that has not four.
+        """
+        if self.skew is not None and not self.four_corners:
+            raise ValueError(f"the plan of a {self.title} has no four corners that could be free")
+        super().__post_init__()
 
     @property
     @abstractmethod
@@ -206,11 +218,17 @@ class Vault(Parametric):
         """The corners of the plan (n, 2) [m], counterclockwise from south west."""
         return self.plan.corners
 
-    def over(self, half_x: float, half_y: float, *, on_wall_x: bool = False, on_wall_y: bool = False) -> Plan:
-        """The plan of these half extents [m], or that of four free corners which stands for it."""
-        if self.skew is None:
+    def over(
+        self, half_x: float, half_y: float, *, on_wall_x: bool = False, on_wall_y: bool = False, taper: float = 0.0
+    ) -> Plan:
+        """The plan of these half extents [m], or that of four free corners which stands for it.
+
+        `taper`: by as much more are both halves of the north side longer than in the middle, as a share.
+        """
+        if self.skew is None and not taper:
             return Plan.rectangle(half_x, half_y, on_wall_x, on_wall_y)
-        return Plan.polygon(self.skew.corners(half_x, half_y), (on_wall_y, on_wall_x, on_wall_y, on_wall_x))
+        corners = (self.skew or Skew()).corners(half_x, half_y, taper)
+        return Plan.polygon(corners, (on_wall_y, on_wall_x, on_wall_y, on_wall_x))
 
     def intrados(self) -> build123d.Compound:
         """The intrados [mm]: one labelled, coloured face or shell a component."""

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
 
+from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.plan import Axis, Plan
@@ -19,7 +21,10 @@ from families.declaration.vault import Vault
 
 @dataclass(frozen=True)
 class Barrel(Vault):
-    """Profile across x, drawn along y."""
+    """Profile across x, drawn along y, level and parallel; or up a ramp, or wider towards the north as over a splay.
+
+    On a ramp the springing is that of the lower end; over a splay arches stay of their kind and grow with their span.
+    """
 
     id: ClassVar[str] = "barrel"
     title: ClassVar[str] = "barrel vault"
@@ -33,9 +38,20 @@ class Barrel(Vault):
     ratios: ClassVar[Mapping[str, str]] = {"rise": "rise_ratio"}
     quarter_turn: ClassVar[Symmetry | None] = None
 
+    constraints: ClassVar[tuple[Constraint, ...]] = (
+        Constraint("level", "the axis is level", {"slope": 0.0}, rare=True),
+        Constraint("parallel", "the walls are parallel", {"splay": 0.0}, rare=True),
+    )
+    usual: ClassVar[Mapping[str, tuple[float, float]]] = {"slope": (0.0, 0.2), "splay": (0.0, 0.15)}
+    half_turn: ClassVar[Symmetry] = Symmetry(negated=("slope", "splay"))
+
     span: Annotated[float, Range(0.5, 40, "m", "clear width at the springing, across the axis")] = 5.0
     length: Annotated[float, Range(0.5, 100, "m", "extent along the axis")] = 8.0
     profile: Profile = Semicircular()
+    slope: Annotated[float, Range(-1, 1, "1", "rise of the axis towards the north / length")] = 0.0
+    splay: Annotated[float, Range(-0.8, 0.8, "1", "north end wider than the middle / span; the south end narrower")] = (
+        0.0
+    )
 
     @derived("m", "crown above the springing")
     def rise(self) -> float:
@@ -55,9 +71,9 @@ class Barrel(Vault):
     @property
     def plan(self) -> Plan:
         """Span by length; the springings stand on the walls."""
-        return self.over(self.span / 2, self.length / 2, on_wall_x=True)
+        return self.over(self.span / 2, self.length / 2, on_wall_x=True, taper=self.splay)
 
-    @property
+    @cached_property
     def axis(self) -> Axis:
         """Of the barrel, between the walls that it stands on."""
         return self.plan.axes[0]
@@ -65,8 +81,17 @@ class Barrel(Vault):
     def pieces(self) -> tuple[Piece, ...]:
         """One barrel."""
         axis = self.axis
-        curve = self.profile.curve(axis.half_span)
-        return (Piece((BarrelPart(axis.across, curve, ("barrel", "barrel"), axis.origin, splay=axis.splay),)),)
+        part = BarrelPart(
+            axis.across,
+            self.profile.curve(axis.half_span),
+            ("barrel", "barrel"),
+            axis.origin,
+            base=abs(self.slope) * axis.half_length,
+            slope=self.slope,
+            splay=axis.splay,
+            flare=axis.splay if self.skew is None else self.splay / axis.half_length,
+        )
+        return (Piece((part,)),)
 
     @classmethod
     def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:

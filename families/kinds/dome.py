@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from math import asin, degrees, sqrt
 from typing import Annotated, ClassVar, Self
@@ -97,7 +98,7 @@ class Dome(Vault):
         """Crown of the dome above the springing [m]."""
         return self.ring_height + self.drum_height + self.dome_rise
 
-    @property
+    @cached_property
     def drum_radius(self) -> float:
         """Radius of drum and dome [m]: as wide as fits between the walls, if these are askew."""
         return min(wall.offset for wall in self.plan.sides)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import Annotated, ClassVar, Self
 
@@ -163,7 +164,7 @@ class Groin(Vault):
         """The rectangle of the wall arches."""
         return self.over(self.span_x / 2 + self.offset_x, self.span_y / 2 + self.offset_y)
 
-    @property
+    @cached_property
     def axes(self) -> tuple[Axis, Axis]:
         """Of the barrel across x and of that across y, between their springings."""
         half_x, half_y = self.span_x / 2, self.span_y / 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from typing import Annotated, ClassVar, Self
 
@@ -127,7 +128,7 @@ class Lunette(Vault):
         """Span by length; the springings stand on the walls."""
         return self.over(self.span / 2, self.length / 2, on_wall_x=True)
 
-    @property
+    @cached_property
     def axis(self) -> Axis:
         """Of the barrel, between the walls that it stands on."""
         return self.plan.axes[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from math import sqrt
 from typing import Annotated, ClassVar, Self
@@ -109,7 +110,7 @@ class Mirror(Vault):
         """The rectangle; the stone stands on all four walls."""
         return self.over(self.span_x / 2, self.span_y / 2, on_wall_x=True, on_wall_y=True)
 
-    @property
+    @cached_property
     def runs(self) -> tuple[float, ...]:
         """Run S of the whole coves on the southern, eastern, northern and western walls [m]."""
         shares = (self.run_y_ratio, self.run_x_ratio) * 2

@@ -24,11 +24,14 @@ Array = NDArray[np.float64]
 PIECE, KIND, X, Y, ACROSS_X, ACROSS_Y, BASE, SIDE, CROWN_RISE, HALF_LENGTH, SLOPE, SPLAY, FLARE, RADIUS = range(14)
 HALF_SPAN, RISE, STILT, ARCS, U1, Z1, R1, U2, Z2, R2 = range(14, 24)
 NAME, NAMING = 24, 28  # four names from 24 on; NAMING says how the name is chosen
-WIDTH = 29
+FOOT = 29  # height from which on the piece is free of the plan, -inf if it never is
+WIDTH = 30
 
-BARREL, TAPERED, BALL, TURNED, CEILING, LID = range(6)  # TAPERED: a barrel that widens or grows higher
+# BENT: a barrel that is not level or not even; ASIDE, RING: a ball or turned profile that is not about the origin.
+BARREL, BENT, BALL, TURNED, CEILING, LID, ASIDE, RING = range(8)
 ALONG, QUARTER, HEIGHT = range(3)  # NAMING: by the sign along the axis, by the corner of the plan, by the height
 BELOW = 2  # which of a barrel's names is that of its walls; 0 if they have none of their own
+SAME = 1e-9  # [m] within which two walls are one
 APEX = 1e-6  # share of its size at its origin that is left of a tapered barrel beyond its apex
 
 NO_WALLS = np.empty((0, 5))
@@ -37,8 +40,10 @@ NO_WALLS = np.empty((0, 5))
 def pack(pieces: tuple[Piece, ...], components: tuple[str, ...]) -> Array:
     """Table (bodies, WIDTH) of a void for the kernels below; component ids are 1 + index in `components`."""
     ids = {name: float(i + 1) for i, name in enumerate(components)}
-    rows = [_row(k, part, ids) for k, piece in enumerate(pieces) for part in piece.parts]
-    return np.array(rows)
+    table = np.array([_row(k, part, ids) for k, piece in enumerate(pieces) for part in piece.parts])
+    if any(piece.foot is not None for piece in pieces):
+        table[:, FOOT] = [-inf if piece.foot is None else piece.foot for piece in pieces for _ in piece.parts]
+    return table
 
 
 def pack_plan(plan: Plan | None) -> Array:
@@ -48,10 +53,11 @@ def pack_plan(plan: Plan | None) -> Array:
 
 def _row(piece: int, part: Part, ids: dict[str, float]) -> list[float]:
     row = [0.0] * WIDTH
-    row[PIECE] = piece
+    row[PIECE], row[FOOT] = piece, -inf
     match part:
         case BarrelPart():
-            row[KIND], row[NAMING] = TAPERED if part.splay or part.flare else BARREL, ALONG
+            bent = part.crown_rise or part.slope or part.splay or part.flare
+            row[KIND], row[NAMING] = BENT if bent else BARREL, ALONG
             row[X:BASE] = *part.origin, *part.across
             row[BASE], row[SIDE], row[SLOPE], row[SPLAY] = part.base, part.side, part.slope, part.splay
             row[FLARE], row[CROWN_RISE], row[HALF_LENGTH] = part.flare, part.crown_rise, part.half_length
@@ -62,9 +68,13 @@ def _row(piece: int, part: Part, ids: dict[str, float]) -> list[float]:
         case Ball():
             row[KIND], row[NAMING], row[BASE], row[R1] = BALL, QUARTER, part.z, part.radius
             row[X], row[Y] = part.centre
+            if any(part.centre):
+                row[KIND] = ASIDE
         case Turned():
             row[KIND], row[NAMING], row[BASE], row[RADIUS] = TURNED, HEIGHT, part.base, part.radius
             row[X], row[Y] = part.centre
+            if part.radius or any(part.centre):
+                row[KIND] = RING
             row[HALF_SPAN:NAME] = _curve(part.curve)
         case Ceiling():
             row[KIND], row[BASE] = CEILING, part.z
@@ -85,6 +95,7 @@ def _curve(curve: Curve) -> list[float]:
 compiled = njit(cache=True, nogil=True, error_model="numpy")
 # What only reads its arrays needs no count of references to them: without one it is ten times as fast (numba #1204).
 inner = njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
+apart = njit(cache=True, nogil=True, error_model="numpy", _nrt=False)  # what is rare, and would make the rest slower
 
 
 @inner
@@ -137,13 +148,17 @@ def _profile(u: float, z: float, parts: Array, k: int) -> tuple[float, float, fl
     return arc, du / size, dz / size
 
 
-@inner
-def _tapered(u: float, along: float, h: float, climb: float, parts: Array, k: int) -> tuple[float, float, float, float]:
-    """Signed distance and normal (across, up, along) of a place beside a barrel that widens or grows higher.
+@apart
+def _bent(u: float, along: float, z: float, parts: Array, k: int) -> tuple[float, float, float, float]:
+    """Signed distance and normal (across, up, along) of a place beside a barrel that is not level or not even.
 
     Where its arch, as large as it is there, has its nearest point stands for the place itself in the slopes along the
     axis: exact at the surface, and as large as it should be up to the apex.
     """
+    # The axis is a parabola: with straight slopes the lower of two crossing barrels would come out at the middle.
+    way = along / parts[k, HALF_LENGTH]
+    climb = parts[k, SLOPE] - 2.0 * parts[k, CROWN_RISE] * way / parts[k, HALF_LENGTH]
+    h = z - parts[k, BASE] - (parts[k, SLOPE] * along + parts[k, CROWN_RISE] * (1.0 - way * way))
     span, size = max(1.0 + parts[k, SPLAY] * along, APEX), max(1.0 + parts[k, FLARE] * along, APEX)
     d, nu, nz = _profile(u / span, h / size, parts, k)
     foot_u, foot_h = u / span - d * nu, h / size - d * nz
@@ -154,48 +169,59 @@ def _tapered(u: float, along: float, h: float, climb: float, parts: Array, k: in
 
 
 @inner
+def _ball(x: float, y: float, h: float, radius: float) -> tuple[float, float, float, float]:
+    """Signed distance and normal of a place from the centre of a ball, above a wall."""
+    if h < 0.0:
+        size = sqrt(x * x + y * y)
+        return size - radius, x / max(size, 1e-300), y / max(size, 1e-300), 0.0
+    size = max(sqrt(x * x + y * y + h * h), 1e-300)
+    return size - radius, x / size, y / size, h / size
+
+
+@apart
+def _aside(x: float, y: float, z: float, parts: Array, k: int) -> tuple[float, float, float, float]:
+    """The same of a ball or of what is turned, about another axis than the origin's or as a ring."""
+    x, y, h = x - parts[k, X], y - parts[k, Y], z - parts[k, BASE]
+    if parts[k, KIND] == ASIDE:
+        return _ball(x, y, h, parts[k, R1])  # type: ignore[no-any-return]
+    rho = sqrt(x * x + y * y)
+    sign = 1.0 if rho >= parts[k, RADIUS] else -1.0
+    d, nu, nz = _profile(abs(rho - parts[k, RADIUS]), h, parts, k)
+    if rho < 1e-12:
+        return d, 0.0, 0.0, 1.0
+    nu *= sign / rho
+    return d, nu * x, nu * y, nz
+
+
+@inner
 def _body(x: float, y: float, z: float, parts: Array, k: int) -> tuple[float, float, float, float]:
     """Signed distance and normal of a point to the body in row k; -inf where it says nothing."""
     kind = parts[k, KIND]
-    if kind <= TAPERED:
+    if kind <= BENT:
         x, y = x - parts[k, X], y - parts[k, Y]
         u, along = _across(x, y, parts, k)
         sign = 1.0 if u >= 0.0 else -1.0
         if parts[k, SIDE] * sign < 0.0:
             return -inf, 0.0, 0.0, 1.0
         u = abs(u)
-        # The axis is a parabola: with straight slopes the lower of two crossing barrels would come out at the middle.
-        way = along / parts[k, HALF_LENGTH]
-        climb = parts[k, SLOPE] - 2.0 * parts[k, CROWN_RISE] * way / parts[k, HALF_LENGTH]
-        h = z - parts[k, BASE] - (parts[k, SLOPE] * along + parts[k, CROWN_RISE] * (1.0 - way * way))
-        if kind == BARREL:
-            d, nu, nz = _profile(u, h, parts, k)
-            na = -nz * climb
-            if na != 0.0:
-                size = sqrt(1.0 + na * na)
-                d, nu, nz, na = d / size, nu / size, nz / size, na / size
-        else:
-            d, nu, nz, na = _tapered(u, along, h, climb, parts, k)
-        nu *= sign
         cx, cy = parts[k, ACROSS_X], parts[k, ACROSS_Y]
+        if kind == BARREL:
+            d, nu, nz = _profile(u, z - parts[k, BASE], parts, k)
+            nu *= sign
+            return d, nu * cx, nu * cy, nz
+        d, nu, nz, na = _bent(u, along, z, parts, k)
+        nu *= sign
         return d, nu * cx - na * cy, nu * cy + na * cx, nz
     if kind == BALL:
-        x, y, h = x - parts[k, X], y - parts[k, Y], z - parts[k, BASE]
-        if h < 0.0:
-            size = sqrt(x * x + y * y)
-            return size - parts[k, R1], x / max(size, 1e-300), y / max(size, 1e-300), 0.0
-        size = max(sqrt(x * x + y * y + h * h), 1e-300)
-        return size - parts[k, R1], x / size, y / size, h / size
+        return _ball(x, y, z - parts[k, BASE], parts[k, R1])  # type: ignore[no-any-return]
     if kind == TURNED:
-        x, y = x - parts[k, X], y - parts[k, Y]
         rho = sqrt(x * x + y * y)
-        u = rho - parts[k, RADIUS]
-        d, nu, nz = _profile(abs(u), z - parts[k, BASE], parts, k)
+        d, nu, nz = _profile(rho, z - parts[k, BASE], parts, k)
         if rho < 1e-12:
             return d, 0.0, 0.0, 1.0
-        if u < 0.0:
-            nu = -nu
         return d, nu * x / rho, nu * y / rho, nz
+    if kind >= ASIDE:
+        return _aside(x, y, z, parts, k)  # type: ignore[no-any-return]
     return z - parts[k, BASE], 0.0, 0.0, 1.0
 
 
@@ -284,7 +310,8 @@ def _room(x: float, y: float, z: float, parts: Array, plan: Array) -> tuple[floa
     """
     d, name, row, nx, ny, nz = _void(x, y, z, parts)
     wall = _wall(x, y, plan)
-    if wall > d:
+    # Below the foot of a drum over the sides of the plan there is their wall.
+    if wall > d or (z < parts[row, FOOT] and wall > d - SAME):
         side = _nearest(x, y, plan, wall)
         d, name, row, nx, ny, nz = wall, 0, -1 - side, plan[side, CENTRE_X], plan[side, CENTRE_Y], 0.0
         if abs(plan[side, SHAPE]) == WITHIN:

@@ -30,6 +30,15 @@ def test_the_corners_are_where_they_are_said_to_be() -> None:
     assert Barrel(4.0, 6.0, skew=SKEW).corners.tolist() == [list(c) for c in SKEW.corners(2.0, 3.0)]
 
 
+def test_what_a_rectangle_knows_beforehand_follows_from_its_sides() -> None:
+    plan = Plan.rectangle(2.0, 3.0, on_wall_x=True)
+    general = Plan(plan.sides)
+    assert plan == general
+    assert (plan.table == general.table).all()
+    assert plan.axes == general.axes
+    assert plan.half.tolist() == [2.0, 3.0]
+
+
 @EACH
 def test_no_skew_changes_nothing(family: type[Vault]) -> None:
     plain, other = family(), replace(family(), skew=Skew())

@@ -11,8 +11,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from segmentation.io.stamp import stamp
 from vaultcad.export.geometry import Body, bodies
 from vaultcad.export.ifc_author import Author, Entity
@@ -115,9 +113,7 @@ def _roof(author: Author, placed: PlacedVault, key: str, storey: Entity, model: 
     if fitted:
         author.properties(roof, "VaultCAD_Deviation", _deviation(author, fitted.deviation, fitted.coverage))
     area = sum(body.intrados_area for body in pieces)
-    x, y = vault.corners.T
-    plan = float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
-    areas = {"GrossArea": (area, "m2"), "NetArea": (area, "m2"), "ProjectedArea": (plan, "m2")}
+    areas = {"GrossArea": (area, "m2"), "NetArea": (area, "m2"), "ProjectedArea": (vault.plan.area, "m2")}
     author.quantities(roof, "Qto_RoofBaseQuantities", areas)
     author.quantities(roof, "VaultCAD_Quantities", {"NetVolume": (sum(body.volume for body in pieces), "m3")})
     return roof

@@ -120,7 +120,8 @@ def _rival(rival: Rival, fitted: FittedVault, origin: NDArray[np.float64]) -> di
 
 def _corners(fitted: FittedVault, origin: NDArray[np.float64]) -> list[list[float | None]]:
     """The corners of the plan, counterclockwise, at the springing in the coordinates of the pose [m]."""
-    flat = np.column_stack([fitted.vault.corners, np.zeros(4), np.ones(4)])
+    corners = fitted.vault.corners
+    flat = np.column_stack([corners, np.zeros(len(corners)), np.ones(len(corners))])
     return [_row(tuple((point[:3] + origin).tolist())) for point in flat @ fitted.pose.placement().T]
 
 

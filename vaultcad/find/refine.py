@@ -62,7 +62,7 @@ def refine(winner: Hypothesis, site: Site, rng: np.random.Generator, *, demands:
     a parameter is Schwarz's.
     """
     start = winner.solution.placed
-    if RECTANGLE.name in demands.freed:
+    if RECTANGLE.name in demands.freed and start.vault.four_corners:
         start = replace(start, vault=replace(start.vault, skew=Skew()))
     fit = _Fit(Evidence.draw(site, FREEDOM_POINTS, rng, demands, about=[start]), demands)
     best = fit(start, winner.kept)

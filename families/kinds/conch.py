@@ -1,0 +1,78 @@
+"""Conch: half a dome over an apse."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Self
+
+import numpy as np
+
+from families.declaration.parameters import Range, derived
+from families.declaration.pieces import Piece, Turned
+from families.declaration.plan import Plan, Vector
+from families.declaration.profiles import Elliptical, Profile, Semicircular
+from families.declaration.symmetry import Symmetry
+from families.declaration.usual_arches import drawn_arch
+from families.declaration.vault import Vault
+
+HALF_ROUND = 0.25  # of the radius that the depth of its plan may differ by
+COARSE_RISES = (0.2, 0.3, 0.4, 0.5, 0.65)  # over its span, of those that a fit looks for first
+
+
+@dataclass(frozen=True)
+class Conch(Vault):
+    """Profile turned over half a circle of radius r, open to the south; on the half cylinder of the apse."""
+
+    id: ClassVar[str] = "conch"
+    title: ClassVar[str] = "conch"
+    aliases: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "it": ("catino", "semicupola", "catino absidale", "conca"),
+        "fr": ("cul-de-four d'abside", "conque", "demi-coupole"),
+        "de": ("konche", "halbkuppel", "kalotte"),
+        "es": ("cuarto de esfera", "bóveda de horno", "concha"),
+    }
+    glossary: ClassVar[tuple[tuple[str, str], ...]] = (("conch", "half a dome over an apse"),)
+    roof_type: ClassVar[str] = "DOME_ROOF"
+    ratios: ClassVar[Mapping[str, str]] = {"rise": "rise_ratio"}
+    quarter_turn: ClassVar[Symmetry | None] = None
+    four_corners: ClassVar[bool] = False
+
+    radius: Annotated[float, Range(0.5, 30, "m", "radius of the apse at the springing")] = 3.0
+    profile: Profile = Semicircular()
+
+    @derived("m", "crown above the springing")
+    def rise(self) -> float:
+        """Crown above the springing [m]."""
+        return self.profile.rise(self.radius)
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """One."""
+        return ("conch",)
+
+    @property
+    def _centre(self) -> Vector:
+        """Of the circle: on the open side, half a radius south of the middle of the plan."""
+        return 0.0, -self.radius / 2
+
+    @property
+    def plan(self) -> Plan:
+        """Half a disc, its straight side to the south."""
+        return Plan.half_disc(self.radius, on_wall=True).moved(*self._centre)
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """A dome, of which the plan leaves a half."""
+        return (Piece((Turned(self.profile.curve(self.radius), 0.0, ("conch", "conch"), self._centre),)),)
+
+    @classmethod
+    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+        """Over a plan that is about half as deep as wide."""
+        if abs(span_y - span_x / 2) < HALF_ROUND * span_x / 2:
+            for ratio in COARSE_RISES:
+                yield cls(span_x / 2, Elliptical(ratio))
+
+    @classmethod
+    def drawn(cls, rng: np.random.Generator) -> Self:
+        """Mostly quarters of a sphere."""
+        return cls(rng.uniform(1.5, 4.5), drawn_arch(rng, "semicircular", "semicircular", "segmental", "pointed"))
