@@ -64,8 +64,8 @@ def _laid(upper: Void, lower: Void | None) -> tuple[Net, Faces]:
         place = cell.middle
         above = [] if lower is None else lower.over(*place)
         bottom.lay(cell, [*above, *floors.under(above, upper.foot(*place))])
-    net = Net()
-    return net, Faces(net, ground, top, bottom, beyond=Void(upper.pieces, None) if lower is None else None)
+    net, beyond = Net(), None if lower is not None else Void(upper.pieces, upper.plan, endless=True)
+    return net, Faces(net, ground, top, bottom, beyond)
 
 
 class _Floors:

@@ -34,6 +34,7 @@ OUTSIDE = 1e-5  # [m] beyond a side, where it is looked what stands there
 LOOKS = 24  # places along a side at which it is looked what stands beyond
 SAME_STOP = 1e-9  # [m]
 ROUNDED = 1e-5  # [m]
+POLE = -1  # stands for a way that ends at a pole
 Piece = tuple[int, int]  # of a way, from one of its stops to the next
 
 
@@ -178,6 +179,9 @@ class Faces:
         """Drop the stops at which nothing changes: there only a cut of the plan is passed."""
         above, below = self.above, self.below
         ends = self._edge_ends()
+        for roof in (*self.top.roofs, *self.bottom.roofs):
+            if isinstance(roof, TurnedRoof) and roof.apex:
+                ends[_rounded(*roof.centre)].add(POLE)
         self.above, self.below = {}, {}
         for way, stops in self.stops.items():
             kept: list[float] = []
@@ -427,7 +431,7 @@ class Faces:
     def _roof_patches(self, skin: Skin, steps: dict[int, Loop], *, flipped: bool) -> Iterator[Patch]:
         for number, loop in steps.items():
             roof = skin.roofs[number]
-            poles = isinstance(roof, TurnedRoof) and roof.quarter >= 0 and not roof.radius
+            poles = isinstance(roof, TurnedRoof) and roof.apex
             for loops in self._closed(_plan, loop):
                 yield Patch(roof.sheet, [_with_pole(roof, one) if poles else one for one in loops], flipped)
 

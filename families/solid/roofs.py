@@ -25,6 +25,7 @@ from families.void.profile_outline import Bow, half_outline
 Array = NDArray[np.float64]
 FLOOR = 0.0  # height of the springing [m]
 FAR = 1e3  # [m], farther than any vault reaches
+WHOLE = -1.0
 STRAIGHT = 1e-9  # of a metre, by which a line may miss a direction
 REACH = 0.05  # [m] by which a surface that has ends reaches beyond the plan
 
@@ -192,7 +193,7 @@ class TurnedRoof(Roof):
     bow: Bow
     sign: int
     foot: float | None  # height below which its walls have another name
-    quarter: int  # from the azimuth quarter · 90° on; -1 for all of a sphere that has no pole over the plan
+    quarter: float  # from the azimuth quarter · 90° on; `WHOLE` for all of a sphere whose poles are not over the plan
 
     @cached_property
     def row(self) -> Array:
@@ -211,6 +212,11 @@ class TurnedRoof(Roof):
     def springing(self) -> float | None:
         """Its foot, if its walls have their own name."""
         return self.foot
+
+    @property
+    def apex(self) -> bool:
+        """Whether its surface has a pole on the axis."""
+        return self.quarter != WHOLE and not self.radius
 
     @property
     def about(self) -> float:
@@ -237,7 +243,7 @@ class TurnedRoof(Roof):
         x, y = self.centre
         if self.spherical:
             centre = (MM * x, MM * y, MM * (self.base + self.bow.z))
-            pole, about = (0, pi / 2) if self.quarter < 0 else (2, self.about)
+            pole, about = (2, self.about) if self.apex else (0, pi / 2)
             return Round(centre, MM * self.bow.a, pole, about)
         return Revolved(self.conic, (MM * x, MM * y), self.about)
 
@@ -295,6 +301,7 @@ class Body:
     """A part of a piece as roofs, with the cuts of the plan beyond which another of them shows, or none."""
 
     part: Part
+    open: float | None = None  # azimuth of the middle of half a dome
     made: dict[Hashable, Roof] = field(default_factory=dict)
 
     @cached_property
@@ -389,7 +396,9 @@ class Body:
         if abs(reach) > _curve(part).half_span:
             return None
         whole = isinstance(part, Ball) and len(part.names) == 1
-        quarter = -1 if whole else int(atan2(dy, dx) // (pi / 2)) % 4
+        quarter = WHOLE if whole else atan2(dy, dx) // (pi / 2) % 4
+        if self.open is not None:
+            quarter = self.open / (pi / 2) % 4 - 0.5
         base, sign, k = part.z if isinstance(part, Ball) else part.base, 1 if reach > 0 else -1, self._bow(abs(reach))
         springing = base if len(set(part.names)) > 1 and isinstance(part, Turned) else None
         return self._kept(
@@ -423,15 +432,25 @@ def level_cuts(piece: Piece) -> Iterator[Cut]:
 
 @dataclass(frozen=True, eq=False)
 class Void:
-    """Pieces within their plan, as bodies of roofs; `plan` None where they go on beyond it."""
+    """Pieces within their plan, as bodies of roofs; `endless` where they go on beyond it."""
 
     pieces: tuple[Piece, ...]
-    plan: Plan | None
+    plan: Plan
+    endless: bool = False
 
     @cached_property
     def bodies(self) -> list[list[Body]]:
         """Of each piece."""
-        return [[Body(part) for part in piece.parts] for piece in self.pieces]
+        return [[Body(part, self._open(part)) for part in piece.parts] for piece in self.pieces]
+
+    def _open(self, part: Part) -> float | None:
+        """The azimuth to which half of a dome lies whose axis is on a straight side of the plan."""
+        if isinstance(part, Turned) and not part.radius:
+            for side in self.plan.sides:
+                x, y = side.normal if side.centre is None else (0.0, 0.0)
+                if side.centre is None and abs(x * part.centre[0] + y * part.centre[1] - side.offset) < SAME_PLACE:
+                    return atan2(-y, -x)
+        return None
 
     def cuts(self) -> list[Cut]:
         """Lines, then circles, each once."""
@@ -445,7 +464,7 @@ class Void:
         """The roofs of each piece over a place, of pieces that are there."""
         found = []
         for piece, bodies in zip(self.pieces, self.bodies, strict=True):
-            if self.plan is not None and piece.foot is None and not self._within(x, y):
+            if not self.endless and piece.foot is None and not self._within(x, y):
                 continue
             roofs = [body.roof(x, y) for body in bodies]
             if any(roof is None for roof in roofs):
@@ -457,10 +476,9 @@ class Void:
 
     def foot(self, x: float, y: float) -> float:
         """The height [m] from which the body stands over a place."""
-        if self.plan is None or self._within(x, y):
+        if self.endless or self._within(x, y):
             return FLOOR
         return min(piece.foot for piece in self.pieces if piece.foot is not None)
 
     def _within(self, x: float, y: float) -> bool:
-        assert self.plan is not None
         return bool(self.plan.holds(np.array([[x, y]]))[0])
