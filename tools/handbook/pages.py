@@ -60,7 +60,7 @@ def family(cls: type[Vault]) -> str:
     """Picture, description, components, parameters, sizes that follow, constraints and words of a family."""
     vault, values, sizes = cls(), cls().values(), cls().derived_values()
     blocks = [
-        f"![Plan of the {cls.title}]({PICTURES.name}/{cls.id}-plan.svg) "
+        f"![Plan of the {cls.title}]({PICTURES.name}/{cls.id}-plan.svg)\n"
         f"![Lines on its intrados, seen from above]({PICTURES.name}/{cls.id}-view.svg)",
         getdoc(cls) or "",
         f"Components: {', '.join(f'`{name}`' for name in vault.components)}.",
