@@ -32,6 +32,7 @@ LOOKS = {
     "stone": Look(0.6, fill=0.5),  # cut, or seen from above
     "closer": Look(0.6, ink=0.5),  # cut nearer to the wall
     "intrados": Look(2.2),  # the room's outline, in the components' colours
+    "surface": Look(0.8),  # lines on the intrados, in the components' colours
     "edge": Look(0.8),  # between components
     "unseen": Look(fill=1.0),
     "cutting": Look(0.7, ink=0.7, dashes=(10, 3, 2, 3)),

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.palette import colour
+from families.declaration.palette import Colour, colour
 from families.declaration.vault import Vault
 from families.drawing.looks import CLOSER, MOST_DOTS, OUTSIDE, SLAB
 from families.drawing.sheet import Drawing, Floats
@@ -70,10 +71,8 @@ def section(vault: Vault, plane: CutPlane, points: Floats | None = None) -> Draw
     closer, _ = outline(vault, plane.across, plane.closer(vault))
     drawing.line(closer, "closer")
     line, component = outline(vault, plane.across, 0.0)
-    for k, run in groupby(range(len(component)), key=lambda i: int(component[i])):
-        stretch = list(run)
-        name, shade = (vault.components[k - 1], colour(k)) if k else ("wall", None)
-        drawing.line(line[stretch[0] : stretch[-1] + 2], "intrados" if k else "edge", shade, name)
+    for row, shade, name in stretches(vault, line, component):
+        drawing.line(row, "intrados" if shade else "edge", shade, name)
     if points is not None:
         drawing.dots(plane.drawn(points[plane.near(points)]), "scan")
     measured(drawing, vault, plane)
@@ -90,11 +89,19 @@ def measured(drawing: Drawing, vault: Vault, plane: CutPlane) -> None:
     drawing.dimension((right, 0.0), (right, rise))
 
 
-def outline(vault: Vault, across: int, at: float) -> tuple[Floats, NDArray[np.uint16]]:
+def stretches(vault: Vault, line: Floats, component: NDArray[np.uint16]) -> Iterator[tuple[Floats, Colour | None, str]]:
+    """The parts of a line (n, 2) that are of one component (n - 1,) each, its colour and name; a wall has no colour."""
+    for k, run in groupby(range(len(component)), key=lambda i: int(component[i])):
+        stretch = list(run)
+        shade, name = (colour(k), vault.components[k - 1]) if k else (None, "wall")
+        yield line[stretch[0] : stretch[-1] + 2], shade, name
+
+
+def outline(vault: Vault, across: int, at: float, steps: int = OUTLINE_STEPS) -> tuple[Floats, NDArray[np.uint16]]:
     """The room's outline where the other coordinate is `at` [m], from springing to springing.
 
-    (n, 2) [m], and the component of each stretch between, 0 on a wall. The highest point over each place is found by
-    halving on the numeric surface.
+    (n, 2) [m], `steps` of them over the plan, and the component of each stretch between, 0 on a wall. The highest point
+    over each place is found by halving on the numeric surface.
     """
     left, right = chord(vault.corners, 1 - across, at)
     middle, half = (left + right) / 2, (right - left) / 2
@@ -105,8 +112,8 @@ def outline(vault: Vault, across: int, at: float) -> tuple[Floats, NDArray[np.ui
         return points
 
     # Closer where arches are steep.
-    u = middle + half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, OUTLINE_STEPS))
-    low, high = np.zeros(OUTLINE_STEPS), np.full(OUTLINE_STEPS, vault.derived_values()["rise"] + 1.0)
+    u = middle + half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, steps))
+    low, high = np.zeros(steps), np.full(steps, vault.derived_values()["rise"] + 1.0)
     for _ in range(HALVINGS):
         z = (low + high) / 2
         room = vault.distance(placed(u, z)) < 0

@@ -14,6 +14,7 @@ from families.drawing.looks import HALO, INK, LETTER, LOOKS, PAPER
 from families.drawing.sheet import Area, Cells, Dots, Drawing, Floats, Line, Mark, Text
 
 UNIT = 100.0  # drawing units a metre: centimetres, written with one decimal
+NAMESPACE = "http://www.w3.org/2000/svg"
 RIM = 0.1  # by which cells overlap, so that rounding leaves no gap
 
 
@@ -29,6 +30,12 @@ def svg(drawing: Drawing, scale: float | None = None) -> str:
         f'<svg class="drawing" viewBox="{box}"{fixed} {letters} fill="none" role="img">'
         f"<title>{escape(drawing.title)}</title>{inside}</svg>"
     )
+
+
+def document(drawing: Drawing, scale: float) -> str:
+    """The drawing as a file of its own, in ink on paper, at a scale of so many pixels a metre."""
+    alone = f'xmlns="{NAMESPACE}" font-family="sans-serif" style="color:{INK};background:{PAPER}"'
+    return svg(drawing, scale).replace("<svg ", f"<svg {alone} ", 1) + "\n"
 
 
 def _written(mark: Mark) -> Iterator[str]:

@@ -17,7 +17,8 @@ from families.drawing.looks import CLOSER, LOOKS
 from families.drawing.png import paint
 from families.drawing.section import PLANES, chord, outline, section
 from families.drawing.sheet import Drawing, Line
-from families.drawing.svg import svg
+from families.drawing.svg import NAMESPACE, document, svg
+from families.drawing.view import LINES, view
 
 DEVIATIONS = (-1.0, -0.01, -0.004, 0.0, 0.004, 0.01, 1.0)
 
@@ -174,3 +175,34 @@ def test_a_section_is_drawn_in_the_colours_of_its_components():
         lines = [mark for mark in section(vault, plane).marks if isinstance(mark, Line) and mark.colour is not None]
         assert lines
         assert all(line.colour == colour(vault.components.index(line.name) + 1) for line in lines)
+
+
+def test_a_view_has_lines_of_every_component_in_its_colour(any_vault):
+    lines = [mark for mark in view(any_vault).marks if mark.colour is not None]
+    assert {line.name for line in lines} == set(any_vault.components)
+    assert all(line.colour == colour(any_vault.components.index(line.name) + 1) for line in lines)
+    assert {line.look for line in lines} == {"surface", "intrados"}
+
+
+def test_a_view_is_as_large_as_the_vault_and_reaches_its_corners():
+    vault = replace(Groin(4.0, 5.0), skew=Skew(0.1, 0.2, -0.1))
+    drawing = view(vault)
+    (ground,) = marks(drawing, "springing")
+    rows = np.concatenate([mark.row for mark in drawing.marks])
+    assert (rows > drawing.low - 1e-9).all()
+    assert (rows < drawing.high + 1e-9).all()
+    straight = view(Groin(4.0, 5.0))
+    (ground,) = marks(straight, "springing")
+    wall_arches = np.concatenate([mark.row for mark in marks(straight, "surface")])
+    for corner in ground.row:
+        assert np.hypot(*(wall_arches - corner).T).min() < 0.01
+    assert len({tuple(mark.row.ravel()) for mark in marks(straight, "surface")}) >= 2 * (LINES - 1)
+
+
+def test_a_drawing_as_a_file_is_of_the_scale_and_needs_no_page():
+    drawing = Drawing((0, 0), (4, 2), "A title")
+    drawing.text((1, 1), "word", "size")
+    tree = ET.fromstring(document(drawing, 50.0))
+    assert tree.tag == f"{{{NAMESPACE}}}svg"
+    assert (float(tree.get("width")), float(tree.get("height"))) == pytest.approx([50 * s for s in drawing.size], abs=1)
+    assert "color:#" in tree.get("style")

@@ -9,13 +9,17 @@ from pathlib import Path
 from families import FAMILIES, PROFILES, Vault
 from families.declaration.facts import LANGUAGES
 from families.declaration.parameters import derived_declarations
-from tools.handbook.drawing import drawing
+from families.drawing.svg import document
+from families.drawing.view import view
 from tools.sections import replaced
 from vaultcad.cli.options import span, with_unit
+from vaultcad.export.drawing import ideal_plan
 from vaultcad.fit.demands import constraints_of
 
 ROOT = Path(__file__).parents[2]
 PAGE, PICTURES, README = ROOT / "docs" / "families.md", ROOT / "docs" / "img", ROOT / "README.md"
+SIDE = 360.0  # of a picture, the longer one, in pixels
+THICKNESS = 0.15  # [m] of the masonry in plan
 LAST = "## Add a family in ten minutes"  # the section before which a new family comes
 
 
@@ -25,8 +29,17 @@ def pages() -> dict[Path, str]:
     for cls in FAMILIES:
         page = replaced(page, "family", cls.id, family(cls), before=LAST)
     readme = replaced(README.read_text(encoding="utf-8"), "table of", "families", overview())
-    pictures = {PICTURES / f"{cls.id}.svg": drawing(cls()) for cls in FAMILIES}
-    return {PAGE: page, README: readme, **pictures}
+    return {PAGE: page, README: readme, **pictures()}
+
+
+def pictures() -> dict[Path, str]:
+    """Plan and view of each family, as SVG."""
+    drawn = (
+        (PICTURES / f"{cls.id}-{what}.svg", drawing)
+        for cls in FAMILIES
+        for what, drawing in (("plan", ideal_plan(cls(), THICKNESS)), ("view", view(cls())))
+    )
+    return {path: document(drawing, SIDE / max(drawing.size)) for path, drawing in drawn}
 
 
 def overview() -> str:
@@ -47,7 +60,8 @@ def family(cls: type[Vault]) -> str:
     """Picture, description, components, parameters, sizes that follow, constraints and words of a family."""
     vault, values, sizes = cls(), cls().values(), cls().derived_values()
     blocks = [
-        f"![Plan of the {cls.title}, and lines on its intrados]({PICTURES.name}/{cls.id}.svg)",
+        f"![Plan of the {cls.title}]({PICTURES.name}/{cls.id}-plan.svg)\n"
+        f"![Lines on its intrados, seen from above]({PICTURES.name}/{cls.id}-view.svg)",
         getdoc(cls) or "",
         f"Components: {', '.join(f'`{name}`' for name in vault.components)}.",
         table(

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from families import Vault
 from families.drawing.deviation_colours import CONVENTION, UNKNOWN, shades
 from families.drawing.looks import LETTER, OUTSIDE, SLAB
 from families.drawing.section import PLANES, CutPlane, measured
@@ -21,18 +22,28 @@ ENLARGED = 10  # deviations in sections are drawn so many times
 
 def plan(seen: Seen, *, scanned: bool = False) -> Drawing:
     """The components seen from above, or instead the scan's points on them; lines of both sections, and clear sizes."""
-    title = (
-        "Plan: components; grey: walls at the springing" if scanned else "Plan: components and clear sizes in metres"
-    )
-    low, high = _stone_box(seen)
-    drawing = Drawing(low, high, title)
-    if scanned:
-        drawing.dots(seen.walls[:, :2], "scan-closer")
-        drawing.dots(seen.points[seen.on, :2], "scan", component_colours(seen))
-        _edges(drawing, seen)
-    else:
-        for k, name in enumerate(seen.vault.components, 1):
-            drawing.area(_borders(seen, k), "stone", colour(k), name)
+    if not scanned:
+        return ideal_plan(seen.vault, seen.thickness)
+    drawing = Drawing(*_stone_box(seen.vault, seen.thickness), "Plan: components; grey: walls at the springing")
+    drawing.dots(seen.walls[:, :2], "scan-closer")
+    drawing.dots(seen.points[seen.on, :2], "scan", component_colours(seen))
+    _edges(drawing, seen)
+    _cut_and_measured(drawing, seen.vault)
+    return drawing
+
+
+def ideal_plan(vault: Vault, thickness: float) -> Drawing:
+    """The components seen from above with their masonry [m], lines of both sections, and clear sizes."""
+    drawing = Drawing(*_stone_box(vault, thickness), "Plan: components and clear sizes in metres")
+    for k, name in enumerate(vault.components, 1):
+        drawing.area(_borders(vault, thickness, k), "stone", colour(k), name)
+    _cut_and_measured(drawing, vault)
+    return drawing
+
+
+def _cut_and_measured(drawing: Drawing, vault: Vault) -> None:
+    """Add to a plan where the sections cut, and the clear widths there."""
+    low, high = drawing.low, drawing.high
     for plane in PLANES:
         ends = np.zeros((2, 2))
         ends[:, plane.across] = low[plane.across], high[plane.across]
@@ -40,18 +51,17 @@ def plan(seen: Seen, *, scanned: bool = False) -> Drawing:
         drawing.line(ends + 0.12 * out, "cutting")
         for end in ends + 0.3 * out:
             drawing.text(end, plane.letter, "letter")
-    (x0, x1), (y0, y1) = (plane.clear(seen.vault) for plane in PLANES)
+    (x0, x1), (y0, y1) = (plane.clear(vault) for plane in PLANES)
     below, right = low[1] - OUTSIDE * drawing.margin, high[0] + OUTSIDE * drawing.margin
     drawing.dimension((x0, below), (x1, below))
     drawing.dimension((right, y0), (right, y1))
-    return drawing
 
 
 def deviations(seen: Seen) -> Drawing:
     """Mean deviation a cell of the plan, with its scale; grey where the scan saw nothing of the model."""
-    drawing = Drawing(*_stone_box(seen), f"Deviation: {CONVENTION}; grey: no points")
+    drawing = Drawing(*_stone_box(seen.vault, seen.thickness), f"Deviation: {CONVENTION}; grey: no points")
     for k in range(1, len(seen.vault.components) + 1):
-        drawing.area(_borders(seen, k), "unseen", UNKNOWN)
+        drawing.area(_borders(seen.vault, seen.thickness, k), "unseen", UNKNOWN)
     drawing.cells(*seen.box, seen.stepped(seen.map()), seen.limit)
     _edges(drawing, seen)
     drawing.scale(seen.limit)
@@ -152,22 +162,22 @@ def _enlarged(seen: Seen, of: NDArray[np.intp]) -> Floats:
     return moved
 
 
-def _stone_box(seen: Seen) -> tuple[Floats, Floats]:
+def _stone_box(vault: Vault, thickness: float) -> tuple[Floats, Floats]:
     """The lower and the upper corner (2,) [m] of what the masonry covers."""
-    vertices = shell(seen.vault, seen.thickness).vertices[:, :2]
+    vertices = shell(vault, thickness).vertices[:, :2]
     return vertices.min(axis=0), vertices.max(axis=0)
 
 
-def _borders(seen: Seen, component: int) -> list[Floats]:
+def _borders(vault: Vault, thickness: float, component: int) -> list[Floats]:
     """Of a component in plan, as closed rows (n, 2)."""
-    mesh = shell(seen.vault, seen.thickness)
+    mesh = shell(vault, thickness)
     return [mesh.vertices[[*row, row[0]], :2] for row in loops(mesh.triangles[mesh.component == component])]
 
 
 def _all_borders(seen: Seen) -> Iterator[Floats]:
     """Of all components, without what of them lies in the mouths of lunettes."""
     for k in range(1, len(seen.vault.components) + 1):
-        for row in _borders(seen, k):
+        for row in _borders(seen.vault, seen.thickness, k):
             yield np.clip(row, *seen.box)
 
 
