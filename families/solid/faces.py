@@ -248,10 +248,11 @@ class Faces:
         """Where what stands beyond a side of the plan changes."""
         if self.beyond is None:
             return
-        for piece, sides in self._seen(self.top).items():
-            if -1 not in sides:
-                continue
-            rows, owners = self._outside(piece, sides)
+        there = {piece: self._outside(piece, sides) for piece, sides in self._seen(self.top).items() if -1 in sides}
+        for piece, (rows, owners) in there.items():
+            before = there.get((piece[0], piece[1] - 1))
+            if before is not None and not np.array_equal(before[0], rows):
+                yield piece[0], self._span(piece)[0]
             if len(rows) < 2:
                 continue
             way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
