@@ -19,14 +19,16 @@ from families.kinds.dome import Dome
 from families.kinds.groin import Groin
 from families.kinds.lunette import Lunette
 from families.kinds.mirror import Mirror
+from families.kinds.rib import Rib
 from families.kinds.rotunda import Rotunda
 from families.kinds.sail import Sail
 from families.kinds.trough import Trough
+from families.kinds.umbrella import Umbrella
 
 SKEWS = tuple(Skew().values())
 FAMILIES: tuple[type[Vault], ...] = (
     *(Sail, Barrel, Lunette, Trough, Mirror, Groin, Dome),
-    *(Cloister, Conch, Annular, Rotunda),
+    *(Cloister, Conch, Annular, Rotunda, Rib, Umbrella),
 )
 
 

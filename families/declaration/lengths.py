@@ -28,6 +28,8 @@ RATIOS: dict[str, dict[str, str]] = {
     "cloister": {"drum_height": "drum_ratio", "rise": "rise_ratio"},
     "conch": {"rise": "rise_ratio"},
     "annular": {"span": "span_ratio", "rise": "rise_ratio"},
+    "rib": {"rise": "rise_ratio_diagonal", "rise_x": "rise_ratio_x", "rise_y": "rise_ratio_y"},
+    "umbrella": {"rise": "rise_ratio_diagonal", "arch_rise": "rise_ratio"},
     "rotunda": {"drum_height": "drum_ratio", "rise": "rise_ratio"},
     "dome": {"dome_rise": "rise_ratio", "drum_height": "drum_ratio", "pendentive_radius": "pendentive_ratio"},
 }

@@ -21,10 +21,12 @@ from families import (
     Mirror,
     Pointed,
     Profile,
+    Rib,
     Rotunda,
     Sail,
     Segmental,
     Trough,
+    Umbrella,
     Vault,
 )
 from vaultcad.fit.freedom import NONE, SPRINGING, Demands
@@ -34,7 +36,15 @@ from vaultcad.survey.thinned_scan import Site
 
 RATIOS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.7, 0.85, 1.0)  # rise / span
 NARROWEST = 0.5  # m; no family spans less
-DIRECTED = (Barrel, Lunette, Trough, Cloister, Conch, Annular)  # a quarter turn of the others is one of them again
+DIRECTED = (
+    Barrel,
+    Lunette,
+    Trough,
+    Cloister,
+    Conch,
+    Annular,
+    Umbrella,
+)  # a quarter turn of the others is one of them again
 COARSE: tuple[type[Profile], ...] = (Segmental, Elliptical, Pointed)  # the others lie between these
 
 
@@ -137,7 +147,9 @@ def _dome(a: float, b: float) -> Iterator[tuple[Vault, float]]:
             yield vault, vault.rise
 
 
-def _own(family: type[Cloister | Conch | Annular | Rotunda]) -> Callable[[float, float], Iterator[tuple[Vault, float]]]:
+def _own(
+    family: type[Cloister | Conch | Annular | Rotunda | Rib | Umbrella],
+) -> Callable[[float, float], Iterator[tuple[Vault, float]]]:
     """What the family itself declares."""
     return lambda a, b: ((vault, vault.rise) for vault in family.first_guesses(a, b))
 
@@ -154,4 +166,6 @@ GRIDS = {
     Conch: _own(Conch),
     Annular: _own(Annular),
     Rotunda: _own(Rotunda),
+    Rib: _own(Rib),
+    Umbrella: _own(Umbrella),
 }

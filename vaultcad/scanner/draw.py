@@ -21,12 +21,14 @@ from families import (
     Mirror,
     Pointed,
     Profile,
+    Rib,
     Rotunda,
     Sail,
     Segmental,
     Semicircular,
     Stilted,
     Trough,
+    Umbrella,
     Vault,
     family,
 )
@@ -160,6 +162,8 @@ VAULT: dict[str, Callable[[Random], Vault]] = {
     Conch.id: Conch.drawn,
     Annular.id: Annular.drawn,
     Rotunda.id: Rotunda.drawn,
+    Rib.id: Rib.drawn,
+    Umbrella.id: Umbrella.drawn,
 }
 
 
