@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from families.declaration.plan import Side, Vector
-from families.declaration.profiles import Curve
+from families.declaration.profiles import Curve, Profile
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,38 @@ class Lid:
         return self
 
 
-Part = BarrelPart | Ball | Turned | Ceiling | Lid
+@dataclass(frozen=True)
+class Web:
+    """Field between two diagonal ribs and a wall, over the triangle `centre`, `start`, `end`; beyond it says nothing.
+
+    `start` and `end` are those of the wall, the plan on the left. At a share v of the way from the centre to it both
+    diagonals are as high as `diagonal` is at v · `reach` [m], and an arch of the kind `arch` stands on them, as high as
+    the ridge: from the crown of the diagonals to that of the wall arch, whose rise is `rise`, straight or, the more
+    `bow` is than 0, as a parabola, which it is at 1. Where the ridge would be lower than the diagonals it is as high.
+    Without a `bow` the arch rises as the wall arch does, in proportion to its span.
+    """
+
+    start: Vector
+    end: Vector
+    diagonal: Curve
+    reach: float
+    arch: Profile
+    rise: float
+    names: tuple[str]
+    centre: Vector = (0.0, 0.0)
+    bow: float | None = 0.0
+
+    @property
+    def top(self) -> float:
+        """Highest point [m] that a ridge without bends has."""
+        return max(self.diagonal.rise, self.rise)
+
+    def grown(self, thickness: float) -> Web:
+        """Ribs and wall arch with all radii larger by `thickness` [m], over the same triangle."""
+        return replace(self, diagonal=self.diagonal.grown(thickness), rise=self.rise + thickness)
+
+
+Part = BarrelPart | Ball | Turned | Ceiling | Lid | Web
 
 
 @dataclass(frozen=True)

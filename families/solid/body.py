@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from OCP.TopoDS import TopoDS_Shape
 
 from families.declaration.pieces import BarrelPart, Turned
+from families.solid.bodies import Void
 from families.solid.envelope import Skin
 from families.solid.face_net import Net
 from families.solid.faces import Faces
 from families.solid.occ.shapes import is_sound, together
 from families.solid.plan_cells import SAME_PLACE, Cut, Ground
-from families.solid.roofs import Plane, Roof, Void
+from families.solid.roofs import Plane, Roof
 
 Array = NDArray[np.float64]
 AROUND = 1.1  # of its reach, the square in which a plan with round sides is laid

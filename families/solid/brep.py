@@ -9,10 +9,10 @@ from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
 from families.declaration.palette import Colour, colour
 from families.declaration.vault import Vault
+from families.solid.bodies import Void
 from families.solid.body import body
 from families.solid.body import surface as laid
 from families.solid.occ.shapes import faces, inner_points
-from families.solid.roofs import Void
 
 if TYPE_CHECKING:
     import build123d

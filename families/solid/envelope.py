@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from families.declaration.plan import Vector
 from families.declaration.units import MM
 from families.solid.curves import Spline
-from families.solid.heights import change, heights, shown, trace
+from families.solid.heights import WIDTH, change, heights, shown, trace
 from families.solid.plan_cells import EIGHTHS, SAME_PLACE, Cell, Cut, Ground, Part
 from families.solid.roofs import Roof
 
@@ -68,7 +68,7 @@ class Skin:
     roofs: list[Roof] = field(default_factory=list)
     regions: list[Region] = field(default_factory=list)
     _numbers: dict[int, int] = field(default_factory=dict)
-    _table: Array = field(default_factory=lambda: np.empty((0, 16)))
+    _table: Array = field(default_factory=lambda: np.empty((0, WIDTH)))
 
     def number(self, roof: Roof) -> int:
         """The number of a roof."""

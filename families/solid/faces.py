@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 
 from families.declaration.plan import Vector
 from families.declaration.units import MM
+from families.solid.bodies import Void
 from families.solid.boundary import Loop, Pole, Step
 from families.solid.curves import Spline, Straight
 from families.solid.envelope import DENSE, SAME_HEIGHT, Line, Skin, nodes
@@ -23,7 +24,7 @@ from families.solid.face_net import ONE, Net, Patch
 from families.solid.heights import change, shown
 from families.solid.plan_cells import SAME_PLACE, Ground, Part
 from families.solid.plane_regions import regions
-from families.solid.roofs import Plane, Roof, TurnedRoof, Void
+from families.solid.roofs import Plane, Roof
 from families.solid.seamless import seamless
 from families.solid.surfaces import Drum, Flat, Sheet
 
@@ -180,8 +181,8 @@ class Faces:
         above, below = self.above, self.below
         ends = self._edge_ends()
         for roof in (*self.top.roofs, *self.bottom.roofs):
-            if isinstance(roof, TurnedRoof) and roof.apex:
-                ends[_rounded(*roof.centre)].add(POLE)
+            if roof.pole is not None:
+                ends[_rounded(*roof.pole[0])].add(POLE)
         self.above, self.below = {}, {}
         for way, stops in self.stops.items():
             kept: list[float] = []
@@ -432,9 +433,8 @@ class Faces:
     def _roof_patches(self, skin: Skin, steps: dict[int, Loop], *, flipped: bool) -> Iterator[Patch]:
         for number, loop in steps.items():
             roof = skin.roofs[number]
-            poles = isinstance(roof, TurnedRoof) and roof.apex
             for loops in self._closed(_plan, loop):
-                yield Patch(roof.sheet, [_with_pole(roof, one) if poles else one for one in loops], flipped)
+                yield Patch(roof.sheet, [_with_pole(roof, one) for one in loops], flipped)
 
     def _wall_patches(self, walls: Iterable[Wall]) -> Iterator[Patch]:
         chosen = list(walls)
@@ -477,16 +477,19 @@ def _plumb(start: Array, end: Array) -> Step:
 
 
 def _with_pole(roof: Roof, loop: Loop) -> Loop:
-    """A loop with the line of parameters that is the apex, where it passes that."""
-    assert isinstance(roof, TurnedRoof)
-    place = MM * np.array(roof.centre)
+    """A loop with the line of parameters that is one point, where it passes that."""
+    if roof.pole is None:
+        return loop
+    place, running = MM * np.array(roof.pole[0]), roof.pole[1]
     found: Loop = []
     for k, step in enumerate(loop):
         found.append(step)
-        following = loop[(k + 1) % len(loop)]
         apex = step.places[2]
         if np.abs(apex[:2] - place).max() < ONE:
-            (first, _), (last, _) = (roof.sheet.parameters(s.points(0.5))[0] for s in (step, following))
-            v = float(roof.sheet.parameters(apex[None])[0, 1])
-            found.append(Pole(step.path, step.end, step.end, (float(first), v), (float(last), v)))
+            ends = []
+            for beside in (step, loop[(k + 1) % len(loop)]):
+                at = roof.sheet.parameters(apex[None])[0]
+                at[running] = roof.sheet.parameters(beside.points(0.5))[0, running]
+                ends.append((float(at[0]), float(at[1])))
+            found.append(Pole(step.path, step.end, step.end, ends[0], ends[1]))
     return found

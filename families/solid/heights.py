@@ -11,14 +11,16 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from families.void.kernel import compiled, inner
+from families.void import kernel
+from families.void.kernel import compiled, inner, web_height
 
 Array = NDArray[np.float64]
 
 # Columns of a roof's row.
 KIND, X0, Y0, CX, CY, BASE, SLOPE, SPLAY, FLARE, CROWN, LENGTH, SIGN, U, Z, A, B = range(16)
-WIDTH = 16
-FLAT, DRAWN, TURNED = range(3)
+WIDTH = 30
+FLAT, DRAWN, TURNED, WEB = range(4)  # a web has its other numbers where the numeric surface has them
+WEB_X, WEB_Y, WEB_ACROSS_X, WEB_ACROSS_Y = kernel.X, kernel.Y, kernel.ACROSS_X, kernel.ACROSS_Y
 ROUNDING = 1e-13  # of a cosine: a root turns it into a height
 HALVINGS = 80  # of an interval in which a root is sought
 DECIDED = 1e-9  # [m], heights nearer than that do not tell which roof shows
@@ -27,8 +29,12 @@ DECIDED = 1e-9  # [m], heights nearer than that do not tell which roof shows
 @inner
 def height_at(x: float, y: float, roofs: Array, k: int) -> float:
     """Height of roof k above a place."""
-    x, y = x - roofs[k, X0], y - roofs[k, Y0]
     kind = roofs[k, KIND]
+    if kind == WEB:
+        x, y = x - roofs[k, WEB_X], y - roofs[k, WEB_Y]
+        tx, ty = roofs[k, WEB_ACROSS_X], roofs[k, WEB_ACROSS_Y]
+        return web_height(x * ty - y * tx, x * tx + y * ty, roofs, k)  # type: ignore[no-any-return]
+    x, y = x - roofs[k, X0], y - roofs[k, Y0]
     if kind == FLAT:
         return roofs[k, BASE] + roofs[k, CX] * x + roofs[k, CY] * y  # type: ignore[no-any-return]  # numba is untyped
     z, flare = roofs[k, BASE], 1.0

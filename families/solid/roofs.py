@@ -1,26 +1,24 @@
-"""The parts of pieces as roofs: smooth surfaces over regions of the plan, and the lines at which these end."""
+"""Roofs: smooth surfaces over regions of the plan, and the curves over lines and circles of the plan on them."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from math import acos, asin, atan2, cos, hypot, pi, sin, sqrt
+from math import acos, cos, hypot, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Piece, Turned
-from families.declaration.plan import Plan, Vector
-from families.declaration.profiles import Arc, Curve
+from families.declaration.pieces import BarrelPart
+from families.declaration.plan import Vector
 from families.declaration.units import MM
 from families.solid.boundary import Step
 from families.solid.curves import Bezier, Conic, Point, Straight, arc_poles, arc_weight, point
 from families.solid.heights import DRAWN, FLAT, TURNED, WIDTH
-from families.solid.plan_cells import SAME_PLACE, Cut, Way
+from families.solid.plan_cells import Way
 from families.solid.surfaces import UP, BarrelSide, Drawn, Flat, Moved, Revolved, Round, Sheet
-from families.void.profile_outline import Bow, half_outline
+from families.void.profile_outline import Bow
 
 Array = NDArray[np.float64]
 FLOOR = 0.0  # height of the springing [m]
@@ -46,6 +44,11 @@ class Roof(ABC):
     @property
     def springing(self) -> float | None:
         """The height [m] below which walls under it have a name of their own."""
+        return None
+
+    @property
+    def pole(self) -> tuple[Vector, int] | None:
+        """The place where a line of its surface's parameters is one point, and along which of them that line runs."""
         return None
 
     @property
@@ -106,7 +109,7 @@ class DrawnRoof(Roof):
         """Drawn."""
         p, bow = self.part, self.bow
         frame = (*p.origin, *p.across, p.base, p.slope, p.splay, p.flare, p.crown_rise, p.half_length)
-        return np.array([DRAWN, *frame, self.sign, bow.u, bow.z, bow.a, bow.b])
+        return np.array([DRAWN, *frame, self.sign, bow.u, bow.z, bow.a, bow.b, *[0.0] * (WIDTH - 16)])
 
     @property
     def lowest(self) -> float:
@@ -200,7 +203,7 @@ class TurnedRoof(Roof):
         """Turned."""
         bow, found = self.bow, np.zeros(WIDTH)
         found[0], found[1:3], found[5], found[10] = TURNED, self.centre, self.base, self.radius
-        found[11:] = self.sign, bow.u, bow.z, bow.a, bow.b
+        found[11:16] = self.sign, bow.u, bow.z, bow.a, bow.b
         return found
 
     @property
@@ -214,9 +217,9 @@ class TurnedRoof(Roof):
         return self.foot
 
     @property
-    def apex(self) -> bool:
-        """Whether its surface has a pole on the axis."""
-        return self.quarter != WHOLE and not self.radius
+    def pole(self) -> tuple[Vector, int] | None:
+        """On the axis."""
+        return (self.centre, 0) if self.quarter != WHOLE and not self.radius else None
 
     @property
     def about(self) -> float:
@@ -243,7 +246,7 @@ class TurnedRoof(Roof):
         x, y = self.centre
         if self.spherical:
             centre = (MM * x, MM * y, MM * (self.base + self.bow.z))
-            pole, about = (2, self.about) if self.apex else (0, pi / 2)
+            pole, about = (2, self.about) if self.pole else (0, pi / 2)
             return Round(centre, MM * self.bow.a, pole, about)
         return Revolved(self.conic, (MM * x, MM * y), self.about)
 
@@ -294,191 +297,3 @@ def _parabola(part: BarrelPart, ends: tuple[Point, Point], first: float, last: f
     middle = (np.array(ends[0]) + np.array(ends[1])) / 2
     middle[2] += MM * part.crown_rise * (last - first) ** 2 / part.half_length**2 / 2
     return Step(Bezier(np.array([ends[0], middle, ends[1]])), 0.0, 1.0)
-
-
-@dataclass(frozen=True, eq=False)
-class Body:
-    """A part of a piece as roofs, with the cuts of the plan beyond which another of them shows, or none."""
-
-    part: Part
-    open: float | None = None  # azimuth of the middle of half a dome
-    made: dict[Hashable, Roof] = field(default_factory=dict)
-
-    @cached_property
-    def bows(self) -> tuple[Bow, ...]:
-        """Its profile from wall to crown."""
-        curve = _curve(self.part)
-        return half_outline(curve, 0.0, curve.half_span, -np.inf)
-
-    def cuts(self) -> Iterator[Cut]:
-        """Lines and circles at which its roofs end."""
-        part = self.part
-        if isinstance(part, BarrelPart):
-            yield from self._lines(part)
-        elif isinstance(part, Ball | Turned):
-            (x, y), radius = part.centre, getattr(part, "radius", 0.0) if isinstance(part, Turned) else 0.0
-            if isinstance(part, Turned) or len(part.names) > 1:
-                yield from (Cut((1.0, 0.0), x), Cut((0.0, 1.0), y))
-            for u in (bow.at(bow.start)[0] for bow in self.bows):
-                yield Cut((x, y), radius=radius + u)
-                if radius - u > SAME_PLACE:
-                    yield Cut((x, y), radius=radius - u)
-            if radius:
-                yield Cut((x, y), radius=radius)
-
-    def _lines(self, part: BarrelPart) -> Iterator[Cut]:
-        signs = (part.side,) if part.side else (-1, 1)
-        if part.side or self.bows[-1].at(self.bows[-1].end)[0] < SAME_PLACE:
-            yield self._line(0.0)
-        for bow in self.bows:
-            yield from (self._line(sign * bow.at(bow.start)[0]) for sign in signs)
-        if part.crown_rise or part.names[0] != part.names[1]:
-            yield self._across(0.0)
-        if part.splay:
-            yield self._across(-1 / part.splay)
-
-    def level(self, z: float) -> Iterator[Cut]:
-        """Where it is as high as a level plane [m] that cuts it, where that is a line or circle."""
-        part = self.part
-        if isinstance(part, BarrelPart):
-            if part.crown_rise or part.slope or part.flare:
-                return
-            signs = (part.side,) if part.side else (-1, 1)
-            yield from (self._line(sign * u) for u in self._places(z - part.base) for sign in signs)
-        elif isinstance(part, Ball | Turned):
-            base = part.z if isinstance(part, Ball) else part.base
-            radius = part.radius if isinstance(part, Turned) else 0.0
-            for u in self._places(z - base):
-                yield Cut(part.centre, radius=radius + u)
-                if radius - u > SAME_PLACE:
-                    yield Cut(part.centre, radius=radius - u)
-
-    def _places(self, z: float) -> Iterator[float]:
-        for bow in self.bows:
-            if bow.at(bow.start)[1] + SAME_PLACE < z < bow.at(bow.end)[1] - SAME_PLACE:
-                yield bow.at(asin((z - bow.z) / bow.b))[0]
-
-    def _line(self, u: float) -> Cut:
-        """Where across = u · (1 + splay · along)."""
-        part = self.part
-        assert isinstance(part, BarrelPart)
-        (cx, cy), (ax, ay) = part.across, part.along
-        x, y = cx - u * part.splay * ax, cy - u * part.splay * ay
-        size = hypot(x, y)
-        x, y = x / size, y / size
-        return Cut((x, y), x * part.origin[0] + y * part.origin[1] + u / size)
-
-    def _across(self, along: float) -> Cut:
-        part = self.part
-        assert isinstance(part, BarrelPart)
-        (ax, ay), (x, y) = part.along, part.origin
-        return Cut((ax, ay), ax * x + ay * y + along)
-
-    def roof(self, x: float, y: float) -> Roof | None:
-        """What it shows over a place: `NOTHING` where it does not bound its piece, None where its wall is passed."""
-        part = self.part
-        if isinstance(part, Ceiling | Lid):
-            return self._kept((), lambda: Plane(part.z))
-        if isinstance(part, BarrelPart):
-            u, along = part.local(x, y)
-            wide, sign = 1 + part.splay * along, 1 if u > 0 else -1
-            if part.side and sign != part.side:
-                return NOTHING
-            u = abs(u) / wide if wide > 0 else np.inf
-            if u > part.curve.half_span:
-                return None
-            half = 0 if part.names[0] == part.names[1] else (1 if along > 0 else -1)
-            k = self._bow(u)
-            return self._kept((sign, k, half), lambda: DrawnRoof(part, sign, self.bows[k], half))
-        dx, dy = x - part.centre[0], y - part.centre[1]
-        radius = part.radius if isinstance(part, Turned) else 0.0
-        reach = hypot(dx, dy) - radius
-        if abs(reach) > _curve(part).half_span:
-            return None
-        whole = isinstance(part, Ball) and len(part.names) == 1
-        quarter = WHOLE if whole else atan2(dy, dx) // (pi / 2) % 4
-        if self.open is not None:
-            quarter = self.open / (pi / 2) % 4 - 0.5
-        base, sign, k = part.z if isinstance(part, Ball) else part.base, 1 if reach > 0 else -1, self._bow(abs(reach))
-        springing = base if len(set(part.names)) > 1 and isinstance(part, Turned) else None
-        return self._kept(
-            (quarter, sign, k), lambda: TurnedRoof(part.centre, radius, base, self.bows[k], sign, springing, quarter)
-        )
-
-    def _kept(self, key: Hashable, make: Callable[[], Roof]) -> Roof:
-        if key not in self.made:
-            self.made[key] = make()
-        return self.made[key]
-
-    def _bow(self, u: float) -> int:
-        return next((k for k, bow in enumerate(self.bows) if u >= bow.at(bow.end)[0]), len(self.bows) - 1)
-
-
-def _curve(part: Part) -> Curve:
-    if isinstance(part, Ball):
-        return Curve(part.radius, part.radius, 0.0, (Arc(0.0, 0.0, part.radius),))
-    assert isinstance(part, BarrelPart | Turned)
-    return part.curve
-
-
-def level_cuts(piece: Piece) -> Iterator[Cut]:
-    """Where the level planes of a piece cut its other parts."""
-    levels = [part.z for part in piece.parts if isinstance(part, Ceiling | Lid)]
-    for z in levels:
-        for part in piece.parts:
-            if not isinstance(part, Ceiling | Lid):
-                yield from Body(part).level(z)
-
-
-@dataclass(frozen=True, eq=False)
-class Void:
-    """Pieces within their plan, as bodies of roofs; `endless` where they go on beyond it."""
-
-    pieces: tuple[Piece, ...]
-    plan: Plan
-    endless: bool = False
-
-    @cached_property
-    def bodies(self) -> list[list[Body]]:
-        """Of each piece."""
-        return [[Body(part, self._open(part)) for part in piece.parts] for piece in self.pieces]
-
-    def _open(self, part: Part) -> float | None:
-        """The azimuth to which half of a dome lies whose axis is on a straight side of the plan."""
-        if isinstance(part, Turned) and not part.radius:
-            for side in self.plan.sides:
-                x, y = side.normal if side.centre is None else (0.0, 0.0)
-                if side.centre is None and abs(x * part.centre[0] + y * part.centre[1] - side.offset) < SAME_PLACE:
-                    return atan2(-y, -x)
-        return None
-
-    def cuts(self) -> list[Cut]:
-        """Lines, then circles, each once."""
-        found: list[Cut] = []
-        for piece, bodies in zip(self.pieces, self.bodies, strict=True):
-            found += [*level_cuts(piece), *(cut for body in bodies for cut in body.cuts())]
-            found += [cut for body in bodies if isinstance(body.part, Ball) for cut in body.level(FLOOR)]
-        return found
-
-    def over(self, x: float, y: float) -> list[list[Roof]]:
-        """The roofs of each piece over a place, of pieces that are there."""
-        found = []
-        for piece, bodies in zip(self.pieces, self.bodies, strict=True):
-            if not self.endless and piece.foot is None and not self._within(x, y):
-                continue
-            roofs = [body.roof(x, y) for body in bodies]
-            if any(roof is None for roof in roofs):
-                continue
-            here = [roof for roof in roofs if roof is not NOTHING and roof is not None]
-            if here:
-                found.append(here)
-        return found
-
-    def foot(self, x: float, y: float) -> float:
-        """The height [m] from which the body stands over a place."""
-        if self.endless or self._within(x, y):
-            return FLOOR
-        return min(piece.foot for piece in self.pieces if piece.foot is not None)
-
-    def _within(self, x: float, y: float) -> bool:
-        return bool(self.plan.holds(np.array([[x, y]]))[0])

@@ -8,15 +8,15 @@ Positive is in the stone, negative in the room.
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import hypot, inf, sqrt
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Piece, Turned
+from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Piece, Turned, Web
 from families.declaration.plan import BOX, CENTRE_X, CENTRE_Y, NOTCH, OTHER, REACH, SHAPE, WITHIN, Plan
-from families.declaration.profiles import Curve
+from families.declaration.profiles import BasketHandle, Curve, Elliptical, Pointed, Segmental, Semicircular, Stilted
 
 Array = NDArray[np.float64]
 
@@ -27,11 +27,28 @@ NAME, NAMING = 24, 28  # four names from 24 on; NAMING says how the name is chos
 FOOT = 29  # height from which on the piece is free of the plan, -inf if it never is
 WIDTH = 30
 
+# Those of a web, in places that it has no other use for: kind of its arch, haunch ratio of that, bow of the ridge,
+# distance of the wall, middle of that along it, half its length, reach and rise.
+ARCH, BOW, DEPTH, MIDDLE, HALF, FAR, CROWN, HAUNCH = (
+    SIDE,
+    CROWN_RISE,
+    HALF_LENGTH,
+    SLOPE,
+    SPLAY,
+    FLARE,
+    RADIUS,
+    NAME + 1,
+)
+
 # BENT: a barrel that is not level or not even; ASIDE, RING: a ball or turned profile that is not about the origin.
-BARREL, BENT, BALL, TURNED, CEILING, LID, ASIDE, RING = range(8)
-ALONG, QUARTER, HEIGHT = range(3)  # NAMING: by the sign along the axis, by the corner of the plan, by the height
+BARREL, BENT, BALL, TURNED, CEILING, LID, ASIDE, RING, WEB = range(9)
+ALONG, QUARTER, HEIGHT, ONE = range(4)  # NAMING: by the sign along the axis, the corner of the plan, the height, or one
+KINDS = (Semicircular, Segmental, Pointed, BasketHandle, Elliptical, Stilted)  # ARCH: the place in this row
+POINTED, BASKET, ELLIPTICAL, STILTED = range(2, 6)
 BELOW = 2  # which of a barrel's names is that of its walls; 0 if they have none of their own
 SAME = 1e-9  # [m] within which two walls are one
+FLAT = 1e-6  # rise / half span of an arch that is level
+STEP = 1e-5  # of differences on the way to a wall, as a share of it
 APEX = 1e-6  # share of its size at its origin that is left of a tapered barrel beyond its apex
 
 NO_WALLS = np.empty((0, 5))
@@ -76,6 +93,18 @@ def _row(piece: int, part: Part, ids: dict[str, float]) -> list[float]:
             if part.radius or any(part.centre):
                 row[KIND] = RING
             row[HALF_SPAN:NAME] = _curve(part.curve)
+        case Web():
+            (x, y), (x0, y0), (x1, y1) = part.centre, part.start, part.end
+            size = hypot(x1 - x0, y1 - y0)
+            tx, ty = (x1 - x0) / size, (y1 - y0) / size
+            row[KIND], row[NAMING], row[NAME], row[X], row[Y] = WEB, ONE, ids[part.names[0]], x, y
+            row[ACROSS_X], row[ACROSS_Y], row[HALF] = tx, ty, size / 2
+            row[DEPTH] = (x0 - x) * ty - (y0 - y) * tx
+            row[MIDDLE] = ((x0 + x1) / 2 - x) * tx + ((y0 + y1) / 2 - y) * ty
+            row[ARCH], row[HAUNCH] = KINDS.index(type(part.arch)), getattr(part.arch, "haunch_ratio", 0.0)
+            row[BOW], row[FAR], row[CROWN] = -1.0 if part.bow is None else part.bow, part.reach, part.rise
+            row[HALF_SPAN:NAME] = _curve(part.diagonal)
+            return row
         case Ceiling():
             row[KIND], row[BASE] = CEILING, part.z
         case Lid():
@@ -178,9 +207,155 @@ def _ball(x: float, y: float, h: float, radius: float) -> tuple[float, float, fl
     return size - radius, x / size, y / size, h / size
 
 
+@inner
+def _arch(u: float, span: float, rise: float, kind: float, haunch: float) -> tuple[float, float, float]:
+    """Centre and radius of the arc over u of an arch as `Profile.arch` has it; no radius: an ellipse."""
+    steep = rise > span * (1.0 + SAME)
+    if kind == ELLIPTICAL or (steep and (kind < POINTED or kind == BASKET)):
+        return 0.0, 0.0, 0.0
+    if kind == BASKET:
+        small = haunch * rise
+        large = (span * span + rise * rise - 2.0 * span * small) / (2.0 * (rise - small))
+        if u * (large - small) > (span - small) * large:
+            return span - small, 0.0, small
+        return 0.0, rise - large, large
+    if not steep:
+        radius = (span * span + rise * rise) / (2.0 * rise)
+        return 0.0, rise - radius, radius
+    if kind == POINTED:
+        radius = (span * span + rise * rise) / (2.0 * span)
+        return span - radius, 0.0, radius
+    return 0.0, rise - span, span
+
+
+@inner
+def _chord(v: float, parts: Array, k: int) -> tuple[float, float]:
+    """Height of the diagonals at a share of the way to the wall, and of the arch that stands on them."""
+    u, span, rise = min(v * parts[k, FAR], parts[k, HALF_SPAN]), parts[k, HALF_SPAN], parts[k, RISE]
+    low = rise * sqrt(max(1.0 - (u / span) ** 2, 0.0))
+    if parts[k, ARCS] > 0.0:
+        cu, cz, r = parts[k, U1], parts[k, Z1], parts[k, R1]
+        if parts[k, ARCS] == 2.0:  # the haunch as far as to where it passes into the crown
+            du, dz = cu - parts[k, U2], cz - parts[k, Z2]
+            if u < parts[k, U2] + parts[k, R2] * du / sqrt(du * du + dz * dz):
+                cu, cz, r = parts[k, U2], parts[k, Z2], parts[k, R2]
+        low = cz + sqrt(max(r * r - (u - cu) ** 2, 0.0))
+    if parts[k, BOW] < 0.0:
+        return low, v * parts[k, CROWN]
+    ridge = parts[k, CROWN] + (rise - parts[k, CROWN]) * (1.0 - v) * (1.0 + parts[k, BOW] * v)
+    return low, max(ridge - low, FLAT * v * parts[k, HALF])
+
+
+@inner
+def _section(along: float, across: float, z: float, parts: Array, k: int) -> tuple[float, float, float]:
+    """Signed distance of a place in the plane across a web to its arch there, and its normal (across, up)."""
+    v = max(along / parts[k, DEPTH], APEX)
+    low, rise = _chord(v, parts, k)
+    span, u, h = v * parts[k, HALF], across - v * parts[k, MIDDLE], z - low
+    sign = 1.0 if u >= 0.0 else -1.0
+    u = abs(u)
+    cu, cz, r = _arch(u, span, rise, parts[k, ARCH], parts[k, HAUNCH])
+    foot_u, foot_h = span, 0.0  # where there is no nearer point of the arch, its springing on the rib is the nearest
+    if r == 0.0:
+        d, nu, nz = _ellipse(u, max(h, 0.0), span, rise)
+        if h > 0.0:
+            return d, nu * sign, nz
+        foot_u, foot_h = u - d * nu, -d * nz
+    else:
+        if parts[k, ARCH] == BASKET:  # the arc is that of the nearest point, not of the one above
+            small, large = (
+                _arch(span, span, rise, BASKET, parts[k, HAUNCH]),
+                _arch(0.0, span, rise, BASKET, parts[k, HAUNCH]),
+            )
+            beyond = (small[0] - large[0]) * (h - large[1]) - (small[1] - large[1]) * (u - large[0]) > 0.0
+            cu, cz, r = large if beyond else small
+        if h > 0.0 and h < cz:  # a stilt
+            return u - span, sign, 0.0
+        du, dz = u - cu, h - cz
+        size = max(sqrt(du * du + dz * dz), 1e-300)
+        if cz + r * dz / size >= max(cz, 0.0):
+            return size - r, sign * du / size, dz / size
+    du, dz = foot_u - u, foot_h - h
+    size = max(sqrt(du * du + dz * dz), 1e-300)
+    return -size, sign * du / size, dz / size
+
+
+@inner
+def _lean(along: float, across: float, z: float, nu: float, nz: float, parts: Array, k: int) -> float:
+    """How much the distance to a web grows for each metre towards its wall, at a place on it with its normal there."""
+    step = STEP * parts[k, DEPTH]
+    v, grown, moved = along / parts[k, DEPTH], parts[k, HALF] / parts[k, DEPTH], parts[k, MIDDLE] / parts[k, DEPTH]
+    low, rise = _chord(v, parts, k)
+    span, u, h = v * parts[k, HALF], across - v * parts[k, MIDDLE], z - low
+    more_low, more_rise = _chord(v + STEP, parts, k)
+    less_low, less_rise = _chord(v - STEP, parts, k)
+    raised, higher = (more_low - less_low) / (2.0 * step), (more_rise - less_rise) / (2.0 * step)
+    if abs(abs(u) - span) + abs(h) < SAME:  # on a rib
+        moved += grown if u > 0.0 else -grown
+        return -nu * moved - nz * raised  # type: ignore[no-any-return]
+    u = abs(u)
+    if _arch(u, span, rise, parts[k, ARCH], parts[k, HAUNCH])[2] != 0.0:
+        more, less = _section(along + step, across, z, parts, k)[0], _section(along - step, across, z, parts, k)[0]
+        return (more - less) / (2.0 * step)  # type: ignore[no-any-return]
+    # An ellipse from its equation: differences of its distances, which are found by steps, would be rough.
+    gu, gh = u / (span * span), h / (rise * rise)
+    gone = -(u * gu * grown / span + h * gh * higher / rise) / max(sqrt(gu * gu + gh * gh), 1e-300)
+    return gone - nu * moved - nz * raised  # type: ignore[no-any-return]
+
+
+@apart
+def _web(x: float, y: float, z: float, parts: Array, k: int) -> tuple[float, float, float, float]:
+    """Signed distance and normal of a point to a web; -inf beyond its triangle."""
+    tx, ty = parts[k, ACROSS_X], parts[k, ACROSS_Y]
+    x, y = x - parts[k, X], y - parts[k, Y]
+    across, along = x * tx + y * ty, x * ty - y * tx
+    v = along / parts[k, DEPTH]
+    if abs(across - v * parts[k, MIDDLE]) > v * parts[k, HALF] + SAME:
+        return -inf, 0.0, 0.0, 1.0
+    d, nu, nz = _section(along, across, z, parts, k)
+    na = _lean(along, across - d * nu, z - d * nz, nu, nz, parts, k)
+    size = sqrt(1.0 + na * na)
+    return d / size, (nu * tx + na * ty) / size, (nu * ty - na * tx) / size, nz / size
+
+
+@inner
+def web_height(along: float, across: float, parts: Array, k: int) -> float:
+    """Height [m] of a web at a place from its centre to its wall and along that [m]."""
+    v = max(along / parts[k, DEPTH], APEX)
+    low, rise = _chord(v, parts, k)
+    span = v * parts[k, HALF]
+    u = min(abs(across - v * parts[k, MIDDLE]), span)
+    cu, cz, r = _arch(u, span, rise, parts[k, ARCH], parts[k, HAUNCH])
+    if r == 0.0:
+        return low + rise * sqrt(max(1.0 - (u / span) ** 2, 0.0))  # type: ignore[no-any-return]
+    return low + cz + sqrt(max(r * r - (u - cu) ** 2, 0.0))  # type: ignore[no-any-return]
+
+
+@compiled
+def web_heights(along: Array, across: Array, parts: Array) -> Array:
+    """Heights (n,) [m] of the one web in a table at places from its centre to its wall and along that (n,) [m]."""
+    out = np.empty(len(along))
+    for i in range(len(along)):
+        out[i] = web_height(along[i], across[i], parts, 0)
+    return out
+
+
+@compiled
+def web_arch(v: float, u: float, parts: Array) -> tuple[float, float, float, float, float]:
+    """The arch of the one web in a table at a share of the way to its wall: its foot and rise [m], and its arc over u.
+
+    The arc by its centre above the foot and its radius [m], 0 for half an ellipse.
+    """
+    low, rise = _chord(v, parts, 0)
+    cu, cz, r = _arch(u, v * parts[0, HALF], rise, parts[0, ARCH], parts[0, HAUNCH])
+    return low, rise, cu, cz, r
+
+
 @apart
 def _aside(x: float, y: float, z: float, parts: Array, k: int) -> tuple[float, float, float, float]:
-    """The same of a ball or of what is turned, about another axis than the origin's or as a ring."""
+    """The same of a web, and of a ball or what is turned about another axis than the origin's or as a ring."""
+    if parts[k, KIND] == WEB:
+        return _web(x, y, z, parts, k)  # type: ignore[no-any-return]
     x, y, h = x - parts[k, X], y - parts[k, Y], z - parts[k, BASE]
     if parts[k, KIND] == ASIDE:
         return _ball(x, y, h, parts[k, R1])  # type: ignore[no-any-return]
@@ -236,6 +411,8 @@ def _across(x: float, y: float, parts: Array, k: int) -> tuple[float, float]:
 def _name(x: float, y: float, z: float, parts: Array, row: int) -> int:
     if parts[row, NAMING] == QUARTER:
         k = (1 if x > parts[row, X] else 0) + (2 if y > parts[row, Y] else 0)
+    elif parts[row, NAMING] == ONE:
+        k = 0
     elif parts[row, NAMING] == HEIGHT:
         k = 1 if z > parts[row, BASE] else 0
     else:

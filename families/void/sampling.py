@@ -15,8 +15,7 @@ from families.void.sampling_strips import Strip, strips
 Array = NDArray[np.float64]
 GOLDEN = (sqrt(5) - 1) / 2
 PILOT = 40_000  # points that tell how much of all strips shows
-PROBE = 1e-6  # [m] into the stone, where the distance must be just that
-EXACT_POINT = 1e-9  # [m]
+PROBE = 1e-6  # [m] into the stone, where the distance must be that
 
 
 @dataclass(frozen=True)
@@ -93,7 +92,7 @@ def _shown(vault: Vault, strip: Strip, piece: Piece, count: float, rng: np.rando
         inside = xyz[:, 2] >= piece.foot
     xyz, normal = xyz[inside], normal[inside]
     # The distance just behind the surface tells whether there is stone, not another piece of the void.
-    shown = np.abs(vault.distance(xyz + PROBE * normal) - PROBE) < EXACT_POINT
+    shown = np.abs(vault.distance(xyz + PROBE * normal) - PROBE) < strip.probe_miss
     return xyz[shown]
 
 

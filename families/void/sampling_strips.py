@@ -7,23 +7,41 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Turned
+from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Piece, Turned, Web
 from families.declaration.plan import Plan, Vector
 from families.declaration.profiles import Arc, Curve
-from families.void.kernel import APEX
+from families.void.kernel import (
+    ACROSS_X,
+    ACROSS_Y,
+    APEX,
+    DEPTH,
+    HALF,
+    MIDDLE,
+    pack,
+    pack_plan,
+    surface,
+    web_heights,
+)
 from families.void.profile_outline import Bow, Wall, half_outline
 
 Array = NDArray[np.float64]
 TABLE_STEPS = 4096  # of the table that turns a share of a strip's area into a place on its line
+WEB_STEPS = 192  # of that of a web, both ways
 ALONG_STEPS = 64  # of the one that turns the other share into a place along it, where a barrel is not even
 
 
 class Strip(ABC):
-    """A surface over the unit square: equal areas there are equal areas on it."""
+    """A surface over the unit square: equal areas there are equal areas on it.
+
+    probe_miss: by how much a distance 1e-6 m behind it may differ from that [m].
+    """
+
+    probe_miss: ClassVar[float] = 1e-9
 
     @property
     @abstractmethod
@@ -157,6 +175,55 @@ class RevolvedStrip(Strip):
         return np.stack([x + rho * c, y + rho * s, self.base + z], axis=1), np.stack([nu * c, nu * s, nz], axis=1)
 
 
+@dataclass(frozen=True)
+class WebStrip(Strip):
+    """A web; steps along its ribs and arches are finer where these rise steeply. It is bent sharply in its corners."""
+
+    probe_miss: ClassVar[float] = 1e-7
+
+    part: Web
+
+    @cached_property
+    def _packed(self) -> Array:
+        return pack((Piece((self.part,)),), self.part.names)
+
+    @cached_property
+    def _table(self) -> tuple[Array, Array, Array]:
+        """Steps (n + 1,), areas (n + 1,) up to them towards the wall, and (n, n + 1) along it."""
+        steps = np.linspace(0, 1, WEB_STEPS + 1)
+        xyz = self._places(*(column.ravel() for column in np.meshgrid(steps, steps, indexing="ij")))
+        grid = xyz.reshape(WEB_STEPS + 1, WEB_STEPS + 1, 3)
+        p, q, r, s = grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]
+        area = (np.linalg.norm(np.cross(q - p, r - p), axis=2) + np.linalg.norm(np.cross(r - p, s - p), axis=2)) / 2
+        up_to = np.cumsum(np.pad(area, ((0, 0), (1, 0))), axis=1)
+        return steps, np.concatenate([[0.0], np.cumsum(up_to[:, -1])]), up_to
+
+    def _places(self, a: Array, b: Array) -> Array:
+        """Points (n, 3) at shares of a quarter turn towards the wall and of half a turn along it."""
+        part, (row,) = self.part, self._packed
+        (x, y), tx, ty = part.centre, row[ACROSS_X], row[ACROSS_Y]
+        v = np.sin(a * pi / 2)
+        along, across = v * row[DEPTH], v * (row[MIDDLE] - row[HALF] * np.cos(b * pi))
+        z = web_heights(along, across, self._packed)
+        return np.stack([x + across * tx + along * ty, y + across * ty - along * tx, z], axis=1)
+
+    @property
+    def area(self) -> float:
+        """Area [m²]."""
+        return float(self._table[1][-1])
+
+    def lay(self, a: Array, b: Array) -> tuple[Array, Array]:
+        """Points and normals."""
+        steps, rows, up_to = self._table
+        place = np.interp(a * rows[-1], rows, steps)
+        row = np.minimum((place * WEB_STEPS).astype(int), WEB_STEPS - 1)
+        shares = up_to / up_to[:, -1:] + np.arange(WEB_STEPS)[:, None]
+        xyz = self._places(
+            place, np.interp(row + np.clip(b, 1e-9, 1 - 1e-9), shares.ravel(), np.tile(steps, WEB_STEPS))
+        )
+        return xyz, surface(xyz, np.eye(3, 4), self._packed, pack_plan(None))[2]
+
+
 def strips(part: Part, plan: Plan, floor: float = 0.0) -> Iterator[Strip]:
     """All that may show of a part above a floor [m] and within the plan."""
     match part:
@@ -174,6 +241,8 @@ def strips(part: Part, plan: Plan, floor: float = 0.0) -> Iterator[Strip]:
                     yield RevolvedStrip(line, part.base, part.centre, part.radius, side)
         case Ceiling():
             yield FlatStrip(part.z, plan.half_x, plan.half_y)
+        case Web():
+            yield WebStrip(part)
         case Lid():
             return
 

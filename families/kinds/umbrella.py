@@ -1,0 +1,100 @@
+"""Umbrella vault: a dome of webs between ribs that rise from the corners of a polygon."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import product
+from math import cos, pi, sin
+from typing import Annotated, ClassVar, Self
+
+import numpy as np
+
+from families.declaration.parameters import Range, derived
+from families.declaration.pieces import Piece, Web
+from families.declaration.plan import Plan
+from families.declaration.profiles import Elliptical, Profile, Segmental, Semicircular
+from families.declaration.symmetry import Symmetry
+from families.declaration.usual_arches import drawn_arch
+from families.declaration.vault import Vault
+
+SQUARE = 0.25  # of the longer side that the sides of its plan may differ by
+
+
+@dataclass(frozen=True)
+class Umbrella(Vault):
+    """Ribs of `profile_diagonal` to the corners of a regular polygon of inradius r, wall arches of `profile`, webs.
+
+    The webs are as curved everywhere as at their wall arches. The first side faces east, and the others follow
+    counterclockwise.
+    """
+
+    id: ClassVar[str] = "umbrella"
+    title: ClassVar[str] = "umbrella vault"
+    aliases: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        "it": ("volta a ombrello", "cupola a ombrello", "volta a creste e vele"),
+        "fr": ("voûte en parapluie", "coupole côtelée"),
+        "de": ("schirmgewölbe", "schirmkuppel"),
+        "es": ("bóveda de gallones", "cúpula gallonada"),
+    }
+    glossary: ClassVar[tuple[tuple[str, str], ...]] = (("web", "one of the fields between two ribs and a wall arch"),)
+    roof_type: ClassVar[str] = "DOME_ROOF"
+    ratios: ClassVar[Mapping[str, str]] = {"rise": "rise_ratio_diagonal", "arch_rise": "rise_ratio"}
+    quarter_turn: ClassVar[Symmetry | None] = None
+    four_corners: ClassVar[bool] = False
+
+    sides: Annotated[int, Range(3, 12, "1", "webs and sides of the polygon")] = 8
+    radius: Annotated[float, Range(0.5, 30, "m", "distance of the sides from the middle")] = 3.0
+    profile: Profile = Segmental(0.3)
+    profile_diagonal: Profile = Semicircular()
+
+    @derived("m", "crown above the springing, the rise of the ribs")
+    def rise(self) -> float:
+        """Crown above the springing [m]."""
+        return self.profile_diagonal.rise(self._reach)
+
+    @derived("m", "rise of the wall arches")
+    def arch_rise(self) -> float:
+        """Rise of the wall arches [m]."""
+        return self.profile.rise(self._reach * sin(pi / self.sides))
+
+    @property
+    def _reach(self) -> float:
+        """Length of the ribs in plan [m]."""
+        return self.radius / cos(pi / self.sides)
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """The webs counterclockwise from the east."""
+        return tuple(f"web_{k + 1}" for k in range(self.sides))
+
+    @property
+    def plan(self) -> Plan:
+        """The polygon."""
+        step, reach = 2 * pi / self.sides, self._reach
+        return Plan.polygon(
+            tuple((reach * cos((k - 0.5) * step), reach * sin((k - 0.5) * step)) for k in range(self.sides))
+        )
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """The webs, each over its share of the plan."""
+        reach, rise = self._reach, self.arch_rise
+        curve = self.profile_diagonal.curve(reach)
+        webs = (
+            Web(wall.start, wall.end, curve, reach, self.profile, rise, (name,), bow=None)
+            for name, wall in zip(self.components, self.plan.sides, strict=True)
+        )
+        return (Piece(tuple(webs)),)
+
+    @classmethod
+    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+        """Over a plan that is about square: hexagons and octagons, flat and steep."""
+        if abs(span_x - span_y) < SQUARE * max(span_x, span_y):
+            for sides, rise, arch in product((6, 8, 12), (0.3, 0.5), (0.3, 0.5)):
+                yield cls(sides, (span_x + span_y) / 4, Elliptical(arch), Elliptical(rise))
+
+    @classmethod
+    def drawn(cls, rng: np.random.Generator) -> Self:
+        """Six to twelve webs."""
+        kinds = "semicircular", "segmental", "pointed"
+        return cls(int(rng.choice([6, 8, 12])), rng.uniform(1.5, 4), drawn_arch(rng, *kinds), drawn_arch(rng, *kinds))
