@@ -166,8 +166,8 @@ class Web:
 
     @property
     def top(self) -> float:
-        """Highest point [m] that a ridge without bends has."""
-        return max(self.diagonal.rise, self.rise)
+        """A height [m] above all of it."""
+        return self.diagonal.rise + self.rise if self.bow is None else max(self.diagonal.rise, self.rise)
 
     def grown(self, thickness: float) -> Web:
         """Ribs and wall arch with all radii larger by `thickness` [m], over the same triangle."""

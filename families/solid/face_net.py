@@ -206,7 +206,10 @@ class Net:
             edge, forward = self.edges[item[0]], item[1]
             if not isinstance(sheet, Flat):
                 curve = sheet.trace(edge.step.path, edge.step.start, edge.step.end)
-                builder.UpdateEdge(edge.shape, curve, sheet.geometry, HERE, EDGE)
+                builder.UpdateEdge(edge.shape, curve, sheet.geometry, HERE, sheet.tolerance)
+                if sheet.tolerance > EDGE:
+                    for end in edge.ends:
+                        builder.UpdateVertex(self.vertices[end], 2 * sheet.tolerance)
             edge.uses += 1
             used.append(item[0])
             builder.Add(wire, edge.shape.Oriented(TopAbs_FORWARD if forward else TopAbs_REVERSED))

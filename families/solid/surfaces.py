@@ -48,7 +48,9 @@ NEAR_AXIS = 1e-6  # [mm] that a ring's centre may be off an axis
 
 
 class Sheet(ABC):
-    """A surface S(u, v)."""
+    """A surface S(u, v); curves on it are as near to it as `tolerance` [mm]."""
+
+    tolerance = 1e-3
 
     @property
     @abstractmethod

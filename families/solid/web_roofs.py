@@ -32,6 +32,7 @@ from families.void.profile_outline import Bow, half_outline
 
 Array = NDArray[np.float64]
 NODES, DEGREE = 33, 5  # along either parameter of a web
+AT = np.linspace(0, 1, NODES)
 LOOKS = 400  # places at which the kind of the arch is looked at
 STRAIGHT = 1e-9  # [m]
 AT_CENTRE = 1e-6  # of the way to the wall
@@ -76,6 +77,13 @@ class WebFrame:
         along, across = v * depth, u + v * middle
         return cx + across * tx + along * ty, cy + across * ty - along * tx
 
+    def points(self, v: Array, u: Array) -> Array:
+        """Points (n, 3) [mm] of the web over these."""
+        depth, middle, _ = self.size
+        z = kernel.web_heights(v * depth, u + v * middle, self.packed)
+        found: Array = MM * np.stack([*self.place(v, u), z], axis=1)
+        return found
+
     @cached_property
     def breaks(self) -> tuple[float, ...]:
         """Shares of the way between which its arches are of one kind on one arc of the diagonals."""
@@ -109,6 +117,8 @@ class WebSheet(Sheet):
     side where `sign` is 1.
     """
 
+    tolerance = 1e-2
+
     frame: WebFrame
     sign: int
     low: float
@@ -117,22 +127,16 @@ class WebSheet(Sheet):
     def points(self, uv: Array) -> Array:
         """Points (n, 3) [mm] of the web at parameters (n, 2)."""
         towards, across = (np.sin(np.pi / 2 * value) for value in (uv.T if self.sign > 0 else uv.T[::-1]))
-        depth, middle, half = self.frame.size
         v = self.low + (self.high - self.low) * towards
-        u = self.sign * v * across * half
-        x, y = self.frame.place(v, u)
-        z = kernel.web_heights(v * depth, u + v * middle, self.frame.packed)
-        found: Array = MM * np.stack([x, y, z], axis=1)
-        return found
+        return self.frame.points(v, self.sign * v * across * self.frame.size[2])
 
     @cached_property
     def _poles(self) -> tuple[Array, Array]:
         """Poles (n, n, 3) [mm], towards the wall and towards the rib, and the knots of both."""
-        at = np.linspace(0, 1, NODES)
-        uv = np.stack(np.meshgrid(at, at, indexing="ij"), axis=-1).reshape(-1, 2)
+        uv = np.stack(np.meshgrid(AT, AT, indexing="ij"), axis=-1).reshape(-1, 2)
         grid = self.points(uv if self.sign > 0 else uv[:, ::-1]).reshape(NODES, NODES, 3)
-        along = make_interp_spline(at, grid, DEGREE)
-        both = make_interp_spline(at, along.c.transpose(1, 0, 2), DEGREE)
+        along = make_interp_spline(AT, grid, DEGREE)
+        both = make_interp_spline(AT, along.c.transpose(1, 0, 2), DEGREE)
         return both.c.transpose(1, 0, 2), both.t
 
     @cached_property
@@ -221,31 +225,28 @@ class WebRoof(Roof):
         if abs(v1 - v0) * depth < STRAIGHT:
             conic = self._arch(v0, (abs(u0) + abs(u1)) / 2)
         elif max(abs(abs(u0) - v0 * half), abs(abs(u1) - v1 * half)) < STRAIGHT:
-            conic = self._diagonal((v0 + v1) / 2) if self.high == 1 else None
+            conic = self._diagonal((v0 + v1) / 2) if max(v0, v1) > 1 - STRAIGHT else None
         elif max(abs(u0), abs(u1)) < STRAIGHT:
             conic = None
         else:
             return None
         if conic is not None:
             return Step(conic, conic.parameter(ends[0]), conic.parameter(ends[1]))
-        return self._iso(way, start, end, ends)
-
-    def _iso(self, way: Way, start: float, end: float, ends: tuple[Point, Point]) -> Step:
-        """Along a line of the surface's parameters, by the one that changes."""
-        sheet, points = self.sheet, np.array(ends)
-        first, last = sheet.parameters(points)
-        (x0, y0), (x1, y1) = way.at(start), way.at(end)
-        middle = sheet.parameters(MM * np.array([[(x0 + x1) / 2, (y0 + y1) / 2, 0.0]]))[0]
-        # At the centre the parameter across means nothing.
-        fixed = [first, last][int(np.abs(last - middle).min() < np.abs(first - middle).min())]
-        k = int(np.abs(fixed - middle).argmax())
-        a, b = float(first[k]), float(last[k])
-        at = np.linspace(min(a, b), max(a, b), NODES)
-        uv = np.tile(middle, (NODES, 1))
-        uv[:, k] = at
-        assert isinstance(sheet, WebSheet)
-        spline = Spline(make_interp_spline(at, sheet.points(uv), DEGREE), at)
-        return Step(spline, a, b)
+        # From the end nearer to the centre or the ridge, slower towards the other, where the surface may be upright.
+        share = np.sin(np.pi / 2 * AT)
+        if max(v0, v1) * depth - min(v0, v1) * depth > STRAIGHT:
+            low, high = sorted((v0, v1))
+            v = low + (high - low) * share
+            u = v * half * self.sign * (max(abs(u0), abs(u1)) > STRAIGHT)
+            forward = v1 > v0
+        else:
+            near, far = sorted((abs(u0), abs(u1)))
+            v, u = np.full(NODES, v0), self.sign * (near + (far - near) * share)
+            forward = abs(u1) > abs(u0)
+        points = self.frame.points(v, u)
+        points[[0, -1]] = ends if forward else ends[::-1]
+        spline = Spline(make_interp_spline(AT, points, DEGREE), AT)
+        return Step(spline, 0.0, 1.0) if forward else Step(spline, 1.0, 0.0)
 
     def _arch(self, v: float, u: float) -> Conic | None:
         low, rise, cu, cz, radius = self.frame.arch(v, u)
@@ -266,7 +267,7 @@ class WebRoof(Roof):
             return None
         bows = half_outline(part.diagonal, 0.0, part.diagonal.half_span, -np.inf)
         bow = next((bow for bow in bows if v * part.reach >= bow.at(bow.end)[0]), bows[-1])
-        if abs(bow.z) > STRAIGHT:
+        if abs(bow.z) + abs(part.reach - part.diagonal.half_span) > STRAIGHT:
             return None
         return Conic.of(bow, MM * np.array([*part.centre, 0.0]), np.array([x / size, y / size, 0.0]), UP)[0]
 

@@ -49,6 +49,7 @@ BELOW = 2  # which of a barrel's names is that of its walls; 0 if they have none
 SAME = 1e-9  # [m] within which two walls are one
 FLAT = 1e-6  # rise / half span of an arch that is level
 STEP = 1e-5  # of differences on the way to a wall, as a share of it
+CENTRE = 1e-12  # share of the way to its wall below which a web is one point
 APEX = 1e-6  # share of its size at its origin that is left of a tapered barrel beyond its apex
 
 NO_WALLS = np.empty((0, 5))
@@ -321,7 +322,7 @@ def _web(x: float, y: float, z: float, parts: Array, k: int) -> tuple[float, flo
 @inner
 def web_height(along: float, across: float, parts: Array, k: int) -> float:
     """Height [m] of a web at a place from its centre to its wall and along that [m]."""
-    v = max(along / parts[k, DEPTH], APEX)
+    v = max(along / parts[k, DEPTH], CENTRE)
     low, rise = _chord(v, parts, k)
     span = v * parts[k, HALF]
     u = min(abs(across - v * parts[k, MIDDLE]), span)
