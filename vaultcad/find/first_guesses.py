@@ -36,15 +36,8 @@ from vaultcad.survey.thinned_scan import Site
 
 RATIOS = (0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.6, 0.7, 0.85, 1.0)  # rise / span
 NARROWEST = 0.5  # m; no family spans less
-DIRECTED = (
-    Barrel,
-    Lunette,
-    Trough,
-    Cloister,
-    Conch,
-    Annular,
-    Umbrella,
-)  # a quarter turn of the others is one of them again
+# A quarter turn of the others is one of them again.
+DIRECTED = (Barrel, Lunette, Trough, Cloister, Conch, Annular, Umbrella)
 COARSE: tuple[type[Profile], ...] = (Segmental, Elliptical, Pointed)  # the others lie between these
 
 
