@@ -84,12 +84,14 @@ class Demands:
         own = vault.profiles
         fixed = {name: as_kind(kind, own[name]) or kind() for name, kind in self.arches.items() if name in own}
         vault = vault.with_arches(fixed)
-        if self.suits(vault):
+        if self.suits(vault) and self.met(self.begun(vault)):
             return vault
         places = [name for name in own if name not in fixed]
         others = (vault.with_arches({name: kind()}) for name in places for kind in PROFILES)
         every = (vault.with_arches({name: kind() for name in places}) for kind in PROFILES)
-        return next((other for other in (*others, *every) if self.suits(other)), None)
+        suiting = [other for other in (vault, *others, *every) if self.suits(other)]
+        within = (other for other in suiting if self.met(self.begun(other)))  # not only its ratio, the size too
+        return next(within, suiting[0] if suiting else None)
 
     def begun(self, vault: Vault) -> Vault:
         """The vault with the sizes that are fixed, as near as it can be."""
