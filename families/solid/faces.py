@@ -23,7 +23,7 @@ from families.solid.face_net import ONE, Net, Patch
 from families.solid.heights import change, shown
 from families.solid.plan_cells import SAME_PLACE, Ground, Part
 from families.solid.plane_regions import regions
-from families.solid.roofs import Plane, Roof, TurnedRoof, Void
+from families.solid.roofs import Plane, Roof, Void
 from families.solid.seamless import seamless
 from families.solid.surfaces import Drum, Flat, Sheet
 
@@ -180,8 +180,8 @@ class Faces:
         above, below = self.above, self.below
         ends = self._edge_ends()
         for roof in (*self.top.roofs, *self.bottom.roofs):
-            if isinstance(roof, TurnedRoof) and roof.apex:
-                ends[_rounded(*roof.centre)].add(POLE)
+            if roof.pole is not None:
+                ends[_rounded(*roof.pole)].add(POLE)
         self.above, self.below = {}, {}
         for way, stops in self.stops.items():
             kept: list[float] = []
@@ -226,20 +226,22 @@ class Faces:
         return self.ground.ways[piece[0]].places(start + shares * (end - start))
 
     def _crossings(self, skin: Skin) -> Iterator[tuple[int, float]]:
-        """Where the two sides of a wall are as high."""
+        """Where the two sides of a wall are as high: where they cross, or touch as a pendentive does its octagon."""
         for piece, (left, right) in self._seen(skin).items():
             if left == right or left < 0 or right < 0:
                 continue
             x, y = self._places(piece, BETWEEN)
             miss = skin.height(left, x, y) - skin.height(right, x, y)
-            if miss.min() > -SAME_HEIGHT or miss.max() < SAME_HEIGHT:
-                continue
             way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
 
             def off(t: float, way: Any = way, left: int = left, right: int = right) -> float:
                 a, b = way.places(np.array([t]))
                 return float((skin.height(left, a, b) - skin.height(right, a, b))[0])
 
+            if np.abs(miss).max() > SAME_HEIGHT:
+                yield from ((piece[0], t) for t in (start, end) if abs(off(t)) < SAME_HEIGHT)
+            if miss.min() > -SAME_HEIGHT or miss.max() < SAME_HEIGHT:
+                continue
             at = start + BETWEEN * (end - start)
             for j in np.flatnonzero(miss[:-1] * miss[1:] < 0).tolist():
                 yield piece[0], float(brentq(off, at[j], at[j + 1], xtol=1e-15))
@@ -431,9 +433,8 @@ class Faces:
     def _roof_patches(self, skin: Skin, steps: dict[int, Loop], *, flipped: bool) -> Iterator[Patch]:
         for number, loop in steps.items():
             roof = skin.roofs[number]
-            poles = isinstance(roof, TurnedRoof) and roof.apex
             for loops in self._closed(_plan, loop):
-                yield Patch(roof.sheet, [_with_pole(roof, one) if poles else one for one in loops], flipped)
+                yield Patch(roof.sheet, [_with_pole(roof, one) for one in loops], flipped)
 
     def _wall_patches(self, walls: Iterable[Wall]) -> Iterator[Patch]:
         chosen = list(walls)
@@ -476,9 +477,10 @@ def _plumb(start: Array, end: Array) -> Step:
 
 
 def _with_pole(roof: Roof, loop: Loop) -> Loop:
-    """A loop with the line of parameters that is the apex, where it passes that."""
-    assert isinstance(roof, TurnedRoof)
-    place = MM * np.array(roof.centre)
+    """A loop with the line of parameters that is one point, where it passes that."""
+    if roof.pole is None:
+        return loop
+    place = MM * np.array(roof.pole)
     found: Loop = []
     for k, step in enumerate(loop):
         found.append(step)

@@ -20,6 +20,7 @@ KIND, X0, Y0, CX, CY, BASE, SLOPE, SPLAY, FLARE, CROWN, LENGTH, SIGN, U, Z, A, B
 WIDTH = 16
 FLAT, DRAWN, TURNED = range(3)
 ROUNDING = 1e-13  # of a cosine: a root turns it into a height
+APEX = 1e-12  # share of a cone's profile that is left at its apex
 HALVINGS = 80  # of an interval in which a root is sought
 DECIDED = 1e-9  # [m], heights nearer than that do not tell which roof shows
 
@@ -37,7 +38,7 @@ def height_at(x: float, y: float, roofs: Array, k: int) -> float:
         along = roofs[k, CX] * y - roofs[k, CY] * x
         way = along / roofs[k, LENGTH]
         z += roofs[k, SLOPE] * along + roofs[k, CROWN] * (1.0 - way * way)
-        u /= 1.0 + roofs[k, SPLAY] * along
+        u /= max(1.0 + roofs[k, SPLAY] * along, APEX)
         flare = 1.0 + roofs[k, FLARE] * along
     else:
         u = sqrt(x * x + y * y) - roofs[k, LENGTH]
