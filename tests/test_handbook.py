@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from families import FAMILIES, ideal
-from families.drawing.section import outline
+from families.drawing.section import outlines
 from families.drawing.svg import NAMESPACE
 from tools.handbook.pages import PAGE, PICTURES, README, pages, pictures, table
 from tools.sections import replaced
@@ -41,7 +41,7 @@ def drawn(vault):
     """Points (x, y, z) on lines as pictures have them."""
     rows = []
     for across, at in product((0, 1), np.linspace(-1.9, 1.9, 7)):
-        line = outline(vault, across, at)[0][2:-2]  # without the walls
+        line = outlines(vault, across, at)[0][0][2:-2]  # without the walls
         row = np.full((3, len(line)), at)
         row[[across, 2]] = line.T
         rows.append(row)

@@ -57,7 +57,7 @@ def main(scan: Path, picture: Path) -> None:
     frame = fitted.pose.frame()
     xyz = cloud.xyz @ frame[:, :3].T + frame[:, 3]
     floor = float(np.quantile(xyz[:, 2], 0.01))
-    half = np.abs(fitted.vault.corners).max(axis=0)
+    half = fitted.vault.plan.half
     # The wall towards the eye is left away, with what stands beyond the others.
     shown = (xyz[:, 1] > -half[1] + 0.08) & (np.abs(xyz[:, :2]) < half + 0.1).all(axis=1)
     component, light = result.labels.component, _light(xyz)

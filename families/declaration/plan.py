@@ -56,6 +56,14 @@ class Side:
         return x * (self.start[0] + self.end[0]) / 2 + y * (self.start[1] + self.end[1]) / 2
 
     @property
+    def sweep(self) -> float:
+        """Angle [rad] of an arc from start to end, positive counterclockwise."""
+        assert self.centre is not None
+        a, b = self.centre
+        turn = atan2(self.end[1] - b, self.end[0] - a) - atan2(self.start[1] - b, self.start[0] - a)
+        return turn % (2 * pi) if self.inside else -(-turn % (2 * pi))
+
+    @property
     def outermost(self) -> list[Vector]:
         """Its ends, and where else it may reach farthest along x and y [m]."""
         found = [self.start, self.end]
@@ -72,10 +80,7 @@ class Side:
         if self.centre is None:
             return np.array(self.start) * (1 - share) + np.array(self.end) * share
         (a, b), (x, y) = self.centre, self.start
-        first = atan2(y - b, x - a)
-        last = atan2(self.end[1] - b, self.end[0] - a)
-        sweep = (last - first) % (2 * pi) if self.inside else -((first - last) % (2 * pi))
-        angle = first + sweep * share
+        angle = atan2(y - b, x - a) + self.sweep * share
         found: Array = np.array(self.centre) + self.radius * np.hstack([np.cos(angle), np.sin(angle)])
         found[0], found[-1] = self.start, self.end
         return found
@@ -236,9 +241,32 @@ class Plan:
         splay = (ax * cy - ay * cx) / (ax * cx + ay * cy) / half
         return Axis((x, y), (cx, cy), half, splay + 0.0, (ends[1] - ends[0]) / 2)
 
+    @cached_property
+    def box(self) -> tuple[Array, Array]:
+        """The lower and the upper corner (2,) [m] of what it covers."""
+        ends = np.array([point for side in self.sides for point in side.outermost])
+        return ends.min(axis=0), ends.max(axis=0)
+
+    @property
+    def loops(self) -> list[tuple[Side, ...]]:
+        """Its sides in closed rows: the outer boundary, and that of a hole."""
+        found, first = [], 0
+        for last, side in enumerate(self.sides):
+            if side.end == self.sides[first].start:
+                found.append(self.sides[first : last + 1])
+                first = last + 1
+        return found
+
+    def outlines(self, per_arc: int = 32) -> list[Array]:
+        """The boundaries as points (n, 2) [m], one for each of `loops`, arcs in so many steps."""
+        return [
+            np.concatenate([side.points(1 if side.centre is None else per_arc)[:-1] for side in loop])
+            for loop in self.loops
+        ]
+
     def outline(self, per_arc: int = 32) -> Array:
         """The boundary as points (n, 2) [m], arcs in so many steps; a hole's follow those of the outer boundary."""
-        return np.concatenate([side.points(1 if side.centre is None else per_arc)[:-1] for side in self.sides])
+        return np.concatenate(self.outlines(per_arc))
 
     def distance(self, xy: Array) -> Array:
         """Signed distances (n,) [m] of points (n, 2) to the nearest boundary, negative within the plan.
@@ -263,19 +291,14 @@ class Plan:
 
     def grown(self, thickness: float) -> Plan:
         """With the sides that stand on a wall moved outwards by `thickness` [m]."""
-        moved = [_Edge.of(side, thickness if side.on_wall else 0.0) for side in self.sides]
         if not any(side.on_wall for side in self.sides):
             return self
-        found, first = [], 0
-        while first < len(moved):  # loop by loop
-            last = first
-            while self.sides[last].end != self.sides[first].start:
-                last += 1
-            loop = range(first, last + 1)
-            starts = [moved[k - 1 if k > first else last].meets(moved[k], self.sides[k].start) for k in loop]
+        found = []
+        for loop in self.loops:
+            moved = [_Edge.of(side, thickness if side.on_wall else 0.0) for side in loop]
+            starts = [moved[k - 1].meets(moved[k], side.start) for k, side in enumerate(loop)]
             ends = [*starts[1:], starts[0]]
-            found += [replace(self.sides[k], start=a, end=b) for k, a, b in zip(loop, starts, ends, strict=True)]
-            first = last + 1
+            found += [replace(side, start=a, end=b) for side, a, b in zip(loop, starts, ends, strict=True)]
         return Plan(tuple(found), self.reflex)
 
     @property
@@ -288,9 +311,7 @@ class Plan:
                 found += (x0 * y1 - x1 * y0) / 2
                 continue
             (a, b), r = side.centre, side.radius
-            sweep = (atan2(y1 - b, x1 - a) - atan2(y0 - b, x0 - a)) % (2 * pi)
-            sweep = sweep if side.inside else sweep - 2 * pi
-            found += (r * r * sweep + a * (y1 - y0) - b * (x1 - x0)) / 2
+            found += (r * r * side.sweep + a * (y1 - y0) - b * (x1 - x0)) / 2
         return found
 
 

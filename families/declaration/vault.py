@@ -214,6 +214,11 @@ class Vault(Parametric):
         return replace(self, **changed)
 
     @property
+    def lift(self) -> float:
+        """Height [m] of the arches' feet above the springing in the middle of the plan; not 0 on ramps."""
+        return 0.0
+
+    @property
     def corners(self) -> NDArray[np.float64]:
         """The corners of the plan (n, 2) [m], counterclockwise from south west."""
         return self.plan.corners

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, pairwise
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.palette import Colour, colour
+from families.declaration.plan import Plan, Side
 from families.declaration.vault import Vault
 from families.drawing.looks import CLOSER, MOST_DOTS, OUTSIDE, SLAB
 from families.drawing.sheet import Drawing, Floats
+from families.void.columns import heights
 
-OUTLINE_STEPS, HALVINGS = 241, 40  # an odd number, so that one of them is at the crown
+OUTLINE_STEPS = 241  # an odd number, so that one of them is at the crown
 INSIDE = 1 - 1e-9
+ON_PLAN = 1e-9  # [m]
+Outline = tuple[Floats, NDArray[np.uint16]]
 
 
 @dataclass(frozen=True)
@@ -40,39 +45,60 @@ class CutPlane:
         found = np.flatnonzero(np.abs(points[:, self.axis] - at) < SLAB)
         return found[:: max(1, -(-len(found) // MOST_DOTS))]
 
+    def chords(self, vault: Vault, at: float = 0.0) -> list[tuple[float, float]]:
+        """Where the section enters and leaves the plan [m], once or more often."""
+        return chords(vault.plan, self.axis, at)
+
     def clear(self, vault: Vault, at: float = 0.0) -> tuple[float, float]:
-        """Where the section enters and leaves the plan [m]."""
-        return chord(vault.corners, self.axis, at)
+        """Where it enters the plan first and leaves it last [m]."""
+        found = self.chords(vault, at)
+        return found[0][0], found[-1][1]
 
     def closer(self, vault: Vault) -> float:
         """Where it is cut a second time [m], nearer to the wall that it looks to."""
-        along = vault.corners[:, self.axis]
-        return CLOSER * float(along.max() if self.looks > 0 else along.min())
+        low, high = vault.plan.box
+        return CLOSER * float((high if self.looks > 0 else low)[self.axis])
 
 
 PLANES = (CutPlane(1, "A", +1), CutPlane(0, "B", -1))
 
 
-def chord(corners: Floats, axis: int, at: float) -> tuple[float, float]:
-    """Between which values of the other coordinate a plan of corners (n, 2) lies where one coordinate is `at` [m]."""
-    a, b = corners, np.roll(corners, -1, axis=0)
-    reach = b[:, axis] - a[:, axis]
-    crossed = (np.minimum(a, b)[:, axis] <= at) & (at <= np.maximum(a, b)[:, axis]) & (reach != 0)
-    share = (at - a[crossed, axis]) / reach[crossed]
-    found = a[crossed, 1 - axis] + share * (b - a)[crossed, 1 - axis]
-    return float(found.min()), float(found.max())
+def chords(plan: Plan, axis: int, at: float) -> list[tuple[float, float]]:
+    """Between which values of the other coordinate a plan lies where one coordinate is `at` [m], in their order."""
+    met = sorted(value for side in plan.sides for value in _crossings(side, axis, at))
+    found: list[tuple[float, float]] = []
+    for low, high in pairwise(met):
+        middle = np.full((1, 2), at)
+        middle[0, 1 - axis] = (low + high) / 2
+        if high - low < ON_PLAN or plan.distance(middle)[0] > ON_PLAN:
+            continue
+        joins = found and low - found[-1][1] < ON_PLAN
+        found.append((found.pop()[0] if joins else low, high))
+    return found
+
+
+def _crossings(side: Side, axis: int, at: float) -> Iterator[float]:
+    """Where a side of a plan has one coordinate `at` [m]: its other coordinate."""
+    a, b = side.start, side.end
+    if side.centre is None:
+        if min(a[axis], b[axis]) - ON_PLAN <= at <= max(a[axis], b[axis]) + ON_PLAN and a[axis] != b[axis]:
+            yield a[1 - axis] + (at - a[axis]) / (b[axis] - a[axis]) * (b[1 - axis] - a[1 - axis])
+    elif (gap := abs(at - side.centre[axis])) < side.radius:
+        reach = sqrt(side.radius**2 - gap**2)
+        # Also where the circle goes on beyond its arc: what lies between two of them is within the plan or it is not.
+        yield from (side.centre[1 - axis] - reach, side.centre[1 - axis] + reach)
 
 
 def section(vault: Vault, plane: CutPlane, points: Floats | None = None) -> Drawing:
     """The room cut at the crown in the components' colours, in grey nearer to a wall; the points (n, 3) [m] near."""
-    low, high = plane.clear(vault)
-    rise = vault.derived_values()["rise"]
-    drawing = Drawing((low, 0.0), (high, rise), f"Section {plane.letter}–{plane.letter}: {vault.title}")
-    closer, _ = outline(vault, plane.across, plane.closer(vault))
-    drawing.line(closer, "closer")
-    line, component = outline(vault, plane.across, 0.0)
-    for row, shade, name in stretches(vault, line, component):
-        drawing.line(row, "intrados" if shade else "edge", shade, name)
+    cuts, behind = (outlines(vault, plane.across, at) for at in (0.0, plane.closer(vault)))
+    reach = np.concatenate([line for line, _ in (*cuts, *behind)])
+    drawing = Drawing(reach.min(axis=0), reach.max(axis=0), f"Section {plane.letter}–{plane.letter}: {vault.title}")
+    for line, _ in behind:
+        drawing.line(line, "closer")
+    for line, component in cuts:
+        for row, shade, name in stretches(vault, line, component):
+            drawing.line(row, "intrados" if shade else "edge", shade, name)
     if points is not None:
         drawing.dots(plane.drawn(points[plane.near(points)]), "scan")
     measured(drawing, vault, plane)
@@ -80,13 +106,14 @@ def section(vault: Vault, plane: CutPlane, points: Floats | None = None) -> Draw
 
 
 def measured(drawing: Drawing, vault: Vault, plane: CutPlane) -> None:
-    """Add to a section the line of the springing, the clear width and the rise."""
-    (low, high), rise, out = plane.clear(vault), vault.derived_values()["rise"], OUTSIDE * drawing.margin
+    """Add to a section the line of the springing, the clear widths and the rise."""
+    rise, out = vault.derived_values()["rise"], OUTSIDE * drawing.margin
     right = float(drawing.high[0]) + out
     drawing.line(((drawing.low[0] - out, 0.0), (right, 0.0)), "springing")
     foot = float(drawing.low[1]) - out
-    drawing.dimension((low, foot), (high, foot))
-    drawing.dimension((right, 0.0), (right, rise))
+    for low, high in plane.chords(vault):
+        drawing.dimension((low, foot), (high, foot))
+    drawing.dimension((right, vault.lift), (right, vault.lift + rise))
 
 
 def stretches(vault: Vault, line: Floats, component: NDArray[np.uint16]) -> Iterator[tuple[Floats, Colour | None, str]]:
@@ -97,27 +124,26 @@ def stretches(vault: Vault, line: Floats, component: NDArray[np.uint16]) -> Iter
         yield line[stretch[0] : stretch[-1] + 2], shade, name
 
 
-def outline(vault: Vault, across: int, at: float, steps: int = OUTLINE_STEPS) -> tuple[Floats, NDArray[np.uint16]]:
-    """The room's outline where the other coordinate is `at` [m], from springing to springing.
+def outlines(vault: Vault, across: int, at: float, steps: int = OUTLINE_STEPS) -> list[Outline]:
+    """The room's outlines where the other coordinate is `at` [m], one wherever that crosses the plan.
 
-    (n, 2) [m], `steps` of them over the plan, and the component of each stretch between, 0 on a wall. The highest point
-    over each place is found by halving on the numeric surface.
+    Each from springing to springing: (n, 2) [m], `steps` of them over the plan, and the component of each stretch
+    between, 0 on a wall.
     """
-    left, right = chord(vault.corners, 1 - across, at)
+    return [_outline(vault, across, at, chord, steps) for chord in chords(vault.plan, 1 - across, at)]
+
+
+def _outline(vault: Vault, across: int, at: float, chord: tuple[float, float], steps: int) -> Outline:
+    left, right = chord
     middle, half = (left + right) / 2, (right - left) / 2
 
-    def placed(u: Floats, z: Floats) -> Floats:
-        points = np.full((len(u), 3), at)
-        points[:, across], points[:, 2] = middle + INSIDE * (u - middle), z
-        return points
+    def placed(u: Floats) -> Floats:
+        places = np.full((len(u), 2), at)
+        places[:, across] = middle + INSIDE * (u - middle)
+        return places
 
     # Closer where arches are steep.
     u = middle + half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, steps))
-    low, high = np.zeros(steps), np.full(steps, vault.derived_values()["rise"] + 1.0)
-    for _ in range(HALVINGS):
-        z = (low + high) / 2
-        room = vault.distance(placed(u, z)) < 0
-        low, high = np.where(room, z, low), np.where(room, high, z)
-    line = np.concatenate([[[left, 0.0]], np.column_stack([u, low]), [[right, 0.0]]])
-    between = (line[:-1] + line[1:]) / 2
-    return line, vault.evaluate(placed(*between.T), walls=True).component
+    line = np.concatenate([[[left, 0.0]], np.column_stack([u, heights(vault, placed(u))]), [[right, 0.0]]])
+    between, z = ((line[:-1] + line[1:]) / 2).T
+    return line, vault.evaluate(np.column_stack([placed(between), z]), walls=True).component

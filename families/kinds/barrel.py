@@ -78,6 +78,11 @@ class Barrel(Vault):
         """Of the barrel, between the walls that it stands on."""
         return self.plan.axes[0]
 
+    @property
+    def lift(self) -> float:
+        """Half of what the ramp climbs [m]."""
+        return abs(self.slope) * self.axis.half_length
+
     def pieces(self) -> tuple[Piece, ...]:
         """One barrel."""
         axis = self.axis
@@ -86,7 +91,7 @@ class Barrel(Vault):
             self.profile.curve(axis.half_span),
             ("barrel", "barrel"),
             axis.origin,
-            base=abs(self.slope) * axis.half_length,
+            base=self.lift,
             slope=self.slope,
             splay=axis.splay,
             flare=axis.splay if self.skew is None else self.splay / axis.half_length,

@@ -227,20 +227,22 @@ class Faces:
         return self.ground.ways[piece[0]].places(start + shares * (end - start))
 
     def _crossings(self, skin: Skin) -> Iterator[tuple[int, float]]:
-        """Where the two sides of a wall are as high."""
+        """Where the two sides of a wall are as high: where they cross, or touch as a pendentive does its octagon."""
         for piece, (left, right) in self._seen(skin).items():
             if left == right or left < 0 or right < 0:
                 continue
             x, y = self._places(piece, BETWEEN)
             miss = skin.height(left, x, y) - skin.height(right, x, y)
-            if miss.min() > -SAME_HEIGHT or miss.max() < SAME_HEIGHT:
-                continue
             way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
 
             def off(t: float, way: Any = way, left: int = left, right: int = right) -> float:
                 a, b = way.places(np.array([t]))
                 return float((skin.height(left, a, b) - skin.height(right, a, b))[0])
 
+            if np.abs(miss).max() > SAME_HEIGHT:
+                yield from ((piece[0], t) for t in (start, end) if abs(off(t)) < SAME_HEIGHT)
+            if miss.min() > -SAME_HEIGHT or miss.max() < SAME_HEIGHT:
+                continue
             at = start + BETWEEN * (end - start)
             for j in np.flatnonzero(miss[:-1] * miss[1:] < 0).tolist():
                 yield piece[0], float(brentq(off, at[j], at[j + 1], xtol=1e-15))

@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.plan import Plan
+from families.declaration.plan import Plan, Side
 from families.declaration.vault import Vault
 from families.solid.mesh import Mesh
+from families.void.columns import heights
 
 GRID_STEPS = 121  # of the grid, along either side of the plan
-HALVINGS = 30  # of the height, in which a surface is looked for
 INSIDE = 1 - 1e-9  # of the plan: on its edge the walls begin
+ONE_PLACE = 9  # decimals of a metre to which the ends of a ring agree
 
 Array = NDArray[np.float64]
 
@@ -20,16 +21,11 @@ def relief(vault: Vault, thickness: float) -> Mesh:
     """The masonry between the intrados and a surface `thickness` [m] farther into the stone, cut off at the plan.
 
     Steps in plan grow smaller towards the sides, where arches are steep; what is plumb leans by one of them.
-
-    Raises:
-        ValueError: the plan cannot be seen whole from its middle, as a ring.
     """
-    plan = _grid(vault.plan)
-    top = vault.derived_values()["rise"] + 2 * thickness + 1.0
-    lower, upper = (np.column_stack([plan, _height(vault, plan, depth, top)]) for depth in (0.0, thickness))
-    count, cells = len(plan), _cells()
-    rim = _rim()
-    after = np.roll(rim, -1)
+    plan, cells = _welded(_grid(vault.plan), _cells())
+    lower, upper = (np.column_stack([plan, heights(vault, plan, depth)]) for depth in (0.0, thickness))
+    count = len(plan)
+    rim, after = _rim(cells).T
     sides = np.concatenate(
         [np.column_stack([rim, after + count, after]), np.column_stack([rim, rim + count, after + count])]
     )
@@ -46,10 +42,10 @@ def relief(vault: Vault, thickness: float) -> Mesh:
 
 def _grid(plan: Plan) -> Array:
     """Places (n, 2) of a grid laid over a plan, row by row."""
-    if any(not side.inside for side in plan.sides):
-        raise ValueError("a plan with a hole cannot be covered by a grid about its middle")
-    u = np.sin(np.linspace(-np.pi / 2, np.pi / 2, GRID_STEPS))
+    u = INSIDE * np.sin(np.linspace(-np.pi / 2, np.pi / 2, GRID_STEPS))
     x, y = (axis.ravel()[:, None] for axis in np.meshgrid(u, u, indexing="ij"))
+    if hubs := [side for side in plan.sides if not side.inside]:
+        return _ring(plan, hubs[0], u)
     if len(plan.sides) == 4 and all(side.centre is None for side in plan.sides):
         a, b, c, d = plan.corners
         quad: Array = (
@@ -67,14 +63,25 @@ def _grid(plan: Plan) -> Array:
     return found
 
 
-def _height(vault: Vault, plan: Array, depth: float, top: float) -> Array:
-    """Height (n,) [m] over places (n, 2) at which the stone is `depth` [m] deep, by halving from the springing up."""
-    low, high = np.zeros(len(plan)), np.full(len(plan), top)
-    for _ in range(HALVINGS):
-        z = (low + high) / 2
-        below = vault.distance(np.column_stack([plan * INSIDE, z])) < depth
-        low, high = np.where(below, z, low), np.where(below, high, z)
-    return low
+def _ring(plan: Plan, hub: Side, u: Array) -> Array:
+    """A grid from the inner to the outer arc of a sector, at `u` from -1 to 1, in even steps of its angle."""
+    rim = [side for side in plan.sides if side.centre is not None and side.inside]
+    outer, (x, y) = rim[0].radius, rim[0].start
+    assert hub.centre is not None
+    middle = np.array(hub.centre)
+    start = np.arctan2(y - middle[1], x - middle[0])
+    sweep = sum(side.sweep for side in rim)
+    angles = start + sweep * np.linspace(0, 1, GRID_STEPS)
+    radii = (hub.radius + outer) / 2 + u * (outer - hub.radius) / 2
+    r, angle = (axis.ravel()[:, None] for axis in np.meshgrid(radii, angles, indexing="ij"))
+    found: Array = middle + r * np.hstack([np.cos(angle), np.sin(angle)])
+    return found
+
+
+def _welded(plan: Array, cells: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
+    """Places (n, 2), each once, and the triangles of their indices."""
+    _, first, where = np.unique(np.round(plan, ONE_PLACE), axis=0, return_index=True, return_inverse=True)
+    return plan[first], where.ravel()[cells]
 
 
 def _cells() -> NDArray[np.int64]:
@@ -84,7 +91,9 @@ def _cells() -> NDArray[np.int64]:
     return np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
 
 
-def _rim() -> NDArray[np.int64]:
-    """The grid's edge, counterclockwise from above."""
-    grid = np.arange(GRID_STEPS * GRID_STEPS).reshape(GRID_STEPS, GRID_STEPS)
-    return np.concatenate([grid[:-1, 0], grid[-1, :-1], grid[:0:-1, -1], grid[0, :0:-1]])
+def _rim(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Edges (n, 2) of the triangles that bound the grid, counterclockwise from above about it."""
+    edges = np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]])
+    count = int(cells.max()) + 1
+    inner = np.isin(edges @ [count, 1], edges @ [1, count])
+    return edges[~inner]

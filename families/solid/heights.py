@@ -22,6 +22,7 @@ WIDTH = 30
 FLAT, DRAWN, TURNED, WEB = range(4)  # a web has its other numbers where the numeric surface has them
 WEB_X, WEB_Y, WEB_ACROSS_X, WEB_ACROSS_Y = kernel.X, kernel.Y, kernel.ACROSS_X, kernel.ACROSS_Y
 ROUNDING = 1e-13  # of a cosine: a root turns it into a height
+APEX = 1e-12  # share of a cone's profile that is left at its apex
 HALVINGS = 80  # of an interval in which a root is sought
 DECIDED = 1e-9  # [m], heights nearer than that do not tell which roof shows
 
@@ -43,7 +44,7 @@ def height_at(x: float, y: float, roofs: Array, k: int) -> float:
         along = roofs[k, CX] * y - roofs[k, CY] * x
         way = along / roofs[k, LENGTH]
         z += roofs[k, SLOPE] * along + roofs[k, CROWN] * (1.0 - way * way)
-        u /= 1.0 + roofs[k, SPLAY] * along
+        u /= max(1.0 + roofs[k, SPLAY] * along, APEX)
         flare = 1.0 + roofs[k, FLARE] * along
     else:
         u = sqrt(x * x + y * y) - roofs[k, LENGTH]

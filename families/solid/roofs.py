@@ -15,7 +15,7 @@ from families.declaration.plan import Vector
 from families.declaration.units import MM
 from families.solid.boundary import Step
 from families.solid.curves import Bezier, Conic, Point, Straight, arc_poles, arc_weight, point
-from families.solid.heights import DRAWN, FLAT, TURNED, WIDTH
+from families.solid.heights import APEX, DRAWN, FLAT, TURNED, WIDTH
 from families.solid.plan_cells import Way
 from families.solid.surfaces import UP, BarrelSide, Drawn, Flat, Moved, Revolved, Round, Sheet
 from families.void.profile_outline import Bow
@@ -25,6 +25,7 @@ FLOOR = 0.0  # height of the springing [m]
 FAR = 1e3  # [m], farther than any vault reaches
 WHOLE = -1.0
 STRAIGHT = 1e-9  # of a metre, by which a line may miss a direction
+FLARES = 4.0  # distances of a cone's apex, farther than it reaches beyond where it is as wide as its profile
 REACH = 0.05  # [m] by which a surface that has ends reaches beyond the plan
 
 
@@ -127,6 +128,15 @@ class DrawnRoof(Roof):
         return BarrelSide(self.part, self.sign)
 
     @property
+    def pole(self) -> tuple[Vector, int] | None:
+        """The apex of a cone."""
+        part = self.part
+        if not part.splay or part.flare != part.splay:
+            return None
+        (x, y), (a, b) = part.origin, part.along
+        return (x - a / part.splay, y - b / part.splay), 0
+
+    @property
     def plain(self) -> bool:
         """Whether the surface is a cylinder."""
         return not (self.part.crown_rise or self.part.splay or self.part.flare)
@@ -142,7 +152,8 @@ class DrawnRoof(Roof):
         low, high = -reach, reach
         if part.splay:
             apex = -1 / part.splay
-            low, high = (max(low, apex), high) if apex < 0 else (low, min(high, apex))
+            reach = min(reach, FLARES * abs(apex))
+            low, high = (max(-reach, apex), reach) if apex < 0 else (-reach, min(reach, apex))
         return Moved(self.side, self.bow, low, high)
 
     def exact(self, way: Way, start: float, end: float, ends: tuple[Point, Point]) -> Step | None:
@@ -151,8 +162,9 @@ class DrawnRoof(Roof):
         if way.centre is not None:
             return None
         (u0, l0), (u1, l1) = part.local(*way.at(start)), part.local(*way.at(end))
-        u0, u1 = (self.sign * u / (1 + part.splay * along) for u, along in ((u0, l0), (u1, l1)))
-        if abs(u1 - u0) < STRAIGHT:
+        wide, far = 1 + part.splay * l0, 1 + part.splay * l1
+        u0, u1 = self.sign * u0 / max(wide, APEX), self.sign * u1 / max(far, APEX)
+        if abs(u1 - u0) < STRAIGHT or min(wide, far) < STRAIGHT:  # from the apex all ways are rulings
             return _line(*ends) if not part.crown_rise else _parabola(part, ends, l0, l1)
         angles = [self._angle(u) for u in (u0, u1)]
         if abs(l1 - l0) < STRAIGHT and self.plain:

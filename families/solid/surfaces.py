@@ -39,6 +39,7 @@ from families.solid.curves import (
     arc_weight,
     drawn,
 )
+from families.solid.heights import APEX
 from families.void.profile_outline import Bow
 
 Array = NDArray[np.float64]
@@ -247,9 +248,10 @@ class Moved(Sheet):
         part, bow, (first, last) = self.side.part, self.bow, self._ends
         rest = points / MM - (*part.origin, part.base)
         along = rest[:, :2] @ np.array(part.along)
-        u = rest @ self.side.outwards / (1 + part.splay * along)
+        wide, tall = (np.maximum(1 + rate * along, APEX) for rate in (part.splay, part.flare))
+        u = rest @ self.side.outwards / wide
         lift = part.slope * along + part.crown_rise * (1 - (along / part.half_length) ** 2)
-        z = (rest[:, 2] - lift) / (1 + part.flare * along)
+        z = (rest[:, 2] - lift) / tall
         angle = np.arctan2((z - bow.z) / bow.b, (u - bow.u) / bow.a)
         return np.stack([arc_parameter(angle, bow.start, bow.end), (along - first) / (last - first)], axis=1)
 

@@ -3,19 +3,20 @@
 import re
 import xml.etree.ElementTree as ET
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from families import Groin
+from families import Annular, Barrel, Cloister, Groin
 from families.declaration.corners import Skew
 from families.declaration.palette import Colour, colour
 from families.drawing.deviation_colours import LIMITS, STOPS, UNKNOWN, limit_of, shade, shades, signed_mm
 from families.drawing.looks import CLOSER, LOOKS
 from families.drawing.png import paint
-from families.drawing.section import PLANES, chord, outline, section
+from families.drawing.section import PLANES, chords, outlines, section
 from families.drawing.sheet import Drawing, Line
 from families.drawing.svg import NAMESPACE, document, svg
 from families.drawing.view import LINES, view
@@ -121,20 +122,47 @@ def test_every_look_can_be_written_by_both():
     pixels(drawing)
 
 
-@pytest.mark.parametrize("across", [0, 1])
-def test_the_outline_of_a_section_is_the_intrados_over_its_walls(any_vault, across):
-    half = (any_vault.plan.half_x, any_vault.plan.half_y)
-    for at in (0.0, 0.6 * half[1 - across]):
-        line, component = outline(any_vault, across, at)
-        points = np.full((len(line), 3), at)
-        points[:, [across, 2]] = line
-        inside = np.abs(line[:, 0]) < half[across] * (1 - 1e-6)
-        assert np.abs(any_vault.distance(points[inside])).max() < 1e-6
-        assert len(component) == len(line) - 1
-        assert line[0] == pytest.approx((-half[across], 0))
-        assert line[-1] == pytest.approx((half[across], 0))
-        if at == 0:
-            assert line[:, 1].max() == pytest.approx(any_vault.derived_values()["rise"], rel=1e-3)
+def test_the_outlines_of_sections_are_the_intrados_over_its_walls(any_vault):
+    low, high = any_vault.plan.box
+    tops = []
+    for across, share in product((0, 1), (0.0, 0.6)):
+        at = share * float(high[1 - across])
+        found = outlines(any_vault, across, at)
+        for line, component in found:
+            points = np.full((len(line), 3), at)
+            points[:, [across, 2]] = line
+            assert np.abs(any_vault.distance(points[2:-2])).max() < 1e-6
+            assert len(component) == len(line) - 1
+            assert np.abs(any_vault.plan.distance(points[[0, -1], :2])).max() < 1e-9
+            assert (line[[0, -1], 1] == 0).all()
+        reach = np.concatenate([line for line, _ in found])
+        top = any_vault.derived_values()["rise"] + (2 if across else 1) * any_vault.lift
+        if (np.abs(any_vault.corners) == any_vault.plan.half).all():  # a rectangle
+            assert (reach[0, 0], reach[-1, 0]) == pytest.approx((low[across], high[across]))
+            if share == 0:
+                assert reach[:, 1].max() == pytest.approx(top, rel=1e-3)
+        tops.append(reach[:, 1].max() - top)
+    assert max(tops) == pytest.approx(0, abs=1e-3 * high[0])
+
+
+def test_a_section_through_a_ring_has_two_parts():
+    ring, ambulatory = Annular(5.0, 0.4, 2 * np.pi), Annular(5.0, 0.4, 4.0)
+    for plane in PLANES:
+        assert plane.chords(ring) == [pytest.approx((-6, -4)), pytest.approx((4, 6))]
+        lines = [mark for mark in marks(section(ring, plane), "dimension") if len(mark.row) == 2]
+        assert sum(np.hypot(*np.diff(mark.row, axis=0)[0]) == pytest.approx(2.0) for mark in lines) == 2
+    (south, north) = chords(ambulatory.plan, 1, float(ambulatory.plan.box[0][1]) + 0.2)
+    assert south[1] < 0 < north[0]
+    assert len(chords(ambulatory.plan, 0, 0.0)) == 1
+
+
+def test_a_section_of_a_ramp_measures_its_arch_where_it_stands():
+    vault = Barrel(4.0, 6.0, slope=0.25)
+    for plane in PLANES:
+        drawing = section(vault, plane)
+        assert drawing.high[1] == pytest.approx(2.75 if plane.axis else 3.5, abs=1e-3)
+        upright = [mark.row for mark in marks(drawing, "dimension") if np.ptp(mark.row[:, 1]) > 1]
+        assert upright[0][:, 1].tolist() == [0.75, 2.75]
 
 
 def test_a_section_of_a_skewed_plan_ends_at_its_walls():
@@ -151,12 +179,14 @@ def test_a_section_of_a_skewed_plan_ends_at_its_walls():
 
 
 def test_a_chord_of_any_plan_with_corners():
-    octagon = 2 * np.array([[np.cos(a), np.sin(a)] for a in np.pi / 8 + np.arange(8) * np.pi / 4])
-    inradius = 2 * np.cos(np.pi / 8)
+    octagon = Cloister(8, 2.0).plan
     for axis in (0, 1):
-        assert chord(octagon, axis, 0.0) == pytest.approx((-inradius, inradius))
-        low, high = chord(octagon, axis, inradius * 0.9)
-        assert -inradius < low < high < inradius
+        assert chords(octagon, axis, 0.0) == [pytest.approx((-2, 2))]
+        ((low, high),) = chords(octagon, axis, 1.8)
+        assert -2 < low < high < 2
+        (low, high), *_ = chords(octagon, axis, 2.0)
+        assert (low, high) == pytest.approx((-2 * np.tan(np.pi / 8), 2 * np.tan(np.pi / 8)))
+        assert not chords(octagon, axis, 2.1)
 
 
 def test_points_of_the_slab_alone_are_shown():

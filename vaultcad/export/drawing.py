@@ -51,10 +51,12 @@ def _cut_and_measured(drawing: Drawing, vault: Vault) -> None:
         drawing.line(ends + 0.12 * out, "cutting")
         for end in ends + 0.3 * out:
             drawing.text(end, plane.letter, "letter")
-    (x0, x1), (y0, y1) = (plane.clear(vault) for plane in PLANES)
     below, right = low[1] - OUTSIDE * drawing.margin, high[0] + OUTSIDE * drawing.margin
-    drawing.dimension((x0, below), (x1, below))
-    drawing.dimension((right, y0), (right, y1))
+    across, along = (plane.chords(vault) for plane in PLANES)
+    for x0, x1 in across:
+        drawing.dimension((x0, below), (x1, below))
+    for y0, y1 in along:
+        drawing.dimension((right, y0), (right, y1))
 
 
 def deviations(seen: Seen) -> Drawing:
@@ -97,7 +99,9 @@ def section(seen: Seen, plane: CutPlane) -> Drawing:
 def overview(found: Sequence[Seen]) -> Drawing:
     """The plans of several vaults where they stand in the scan, in its local frame, with their numbers."""
     outs = [seen.fitted.pose.placement()[:2] for seen in found]
-    placed = [_flat(seen.vault.corners) @ out[:, :3].T + out[:, 3] for seen, out in zip(found, outs, strict=True)]
+    placed = [
+        _flat(seen.vault.plan.outline()) @ out[:, :3].T + out[:, 3] for seen, out in zip(found, outs, strict=True)
+    ]
     corners = np.concatenate(placed)
     drawing = Drawing(corners.min(axis=0), corners.max(axis=0), "Plan: components; grey: walls at the springing")
     for seen, out in zip(found, outs, strict=True):

@@ -46,8 +46,7 @@ class Seen:
     @cached_property
     def box(self) -> tuple[Floats, Floats]:
         """The lower and the upper corner (2,) [m] of what is around the plan."""
-        corners = self.vault.corners
-        return corners.min(axis=0), corners.max(axis=0)
+        return self.vault.plan.box
 
     @cached_property
     def limit(self) -> float:
