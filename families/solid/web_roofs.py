@@ -22,20 +22,37 @@ from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Vector
 from families.declaration.units import MM
 from families.solid.boundary import Step
-from families.solid.curves import Conic, Path, Point, Spline, drawn
+from families.solid.curves import Path, Point, Spline, drawn
 from families.solid.heights import WEB, WIDTH
 from families.solid.plan_cells import SAME_PLACE, Cut, Way
 from families.solid.roofs import NOTHING, Roof
-from families.solid.surfaces import UP, Sheet
+from families.solid.surfaces import Sheet
 from families.void import kernel
-from families.void.profile_outline import Bow, half_outline
+from families.void.profile_outline import half_outline
 
 Array = NDArray[np.float64]
-NODES, DEGREE = 33, 5  # along either parameter of a web
+NODES, DEGREE = 41, 5  # along either parameter of a web
 AT = np.linspace(0, 1, NODES)
 LOOKS = 400  # places at which the kind of the arch is looked at
 STRAIGHT = 1e-9  # [m]
+ROUNDING = 1e-12
 AT_CENTRE = 1e-6  # of the way to the wall
+
+
+def slowed(at: Array) -> Array:
+    """Shares (n,) of a way at parameters from 0 to 1: slower and slower towards 1.
+
+    Next to a rib, where arches begin to spring upright, a web is a root of both shares: hence twice.
+    """
+    found: Array = np.sin(np.pi / 2 * np.sin(np.pi / 2 * at))
+    return found
+
+
+def paced(share: Array) -> Array:
+    """The inverse of `slowed`; what is within rounding of the end is the end."""
+    share = np.where(share > 1 - ROUNDING, 1.0, share)
+    found: Array = np.arcsin(np.arcsin(share) * 2 / np.pi) * 2 / np.pi
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,9 +77,9 @@ class WebFrame:
         """Unit vector along the wall; the way out of the centre is to its right."""
         return float(self.packed[0, kernel.ACROSS_X]), float(self.packed[0, kernel.ACROSS_Y])
 
-    def arch(self, v: float, u: float) -> tuple[float, float, float, float, float]:
-        """Foot and rise of the arch at a share of the way, and centre and radius of its arc over u."""
-        return kernel.web_arch(v, u, self.packed)  # type: ignore[no-any-return]  # numba is untyped
+    def arch_rise(self, v: float) -> float:
+        """Rise of the arch at a share of the way."""
+        return float(kernel.web_arch_rise(v, self.packed))
 
     def shares(self, x: float, y: float) -> Vector:
         """Share of the way to the wall, and distance from the middle there [m], of a place in plan."""
@@ -93,10 +110,10 @@ class WebFrame:
         found = {bow.at(bow.end)[0] / reach for bow in bows}
 
         def steep(v: float) -> float:
-            return self.arch(v, 0.0)[1] - v * half
+            return self.arch_rise(v) - v * half
 
         def low(v: float) -> float:
-            return self.arch(v, 0.0)[1] - 2 * kernel.FLAT * v * half
+            return self.arch_rise(v) - 2 * kernel.FLAT * v * half
 
         places = np.linspace(0, 1, LOOKS + 1)[1:]
         for miss in (steep, low):
@@ -126,7 +143,7 @@ class WebSheet(Sheet):
 
     def points(self, uv: Array) -> Array:
         """Points (n, 3) [mm] of the web at parameters (n, 2)."""
-        towards, across = (np.sin(np.pi / 2 * value) for value in (uv.T if self.sign > 0 else uv.T[::-1]))
+        towards, across = (slowed(value) for value in (uv.T if self.sign > 0 else uv.T[::-1]))
         v = self.low + (self.high - self.low) * towards
         return self.frame.points(v, self.sign * v * across * self.frame.size[2])
 
@@ -177,7 +194,7 @@ class WebSheet(Sheet):
         u = self.sign * (x * tx + y * ty - v * middle)
         share = np.clip((v - self.low) / (self.high - self.low), 0, 1)
         across = np.clip(u / np.maximum(v * half, STRAIGHT), 0, 1)
-        found = [np.arcsin(share) * 2 / np.pi, np.arcsin(across) * 2 / np.pi]
+        found = [paced(share), paced(across)]
         return np.stack(found if self.sign > 0 else found[::-1], axis=1)
 
 
@@ -214,62 +231,30 @@ class WebRoof(Roof):
         return WebSheet(self.frame, self.sign, self.low, self.high)
 
     def exact(self, way: Way, start: float, end: float, ends: tuple[Point, Point]) -> Step | None:
-        """Lines of the surface's parameters; arches and diagonals as conics where they spring vertically.
+        """Towards the wall and across as splines, at a pace that the parameters of the surfaces beside can follow.
 
-        Elsewhere these run at another pace than the parameters, which no spline in them can follow.
+        From the end nearer to the centre or the ridge, slower towards the other. Arcs would run at a pace of theirs,
+        which near their springing no spline in the surface's parameters can follow.
         """
         if way.centre is not None:
             return None
         (v0, u0), (v1, u1) = (self.frame.shares(*way.at(t)) for t in (start, end))
         depth, _, half = self.frame.size
+        share = slowed(AT)
         if abs(v1 - v0) * depth < STRAIGHT:
-            conic = self._arch(v0, (abs(u0) + abs(u1)) / 2)
-        elif max(abs(abs(u0) - v0 * half), abs(abs(u1) - v1 * half)) < STRAIGHT:
-            conic = self._diagonal((v0 + v1) / 2) if max(v0, v1) > 1 - STRAIGHT else None
-        elif max(abs(u0), abs(u1)) < STRAIGHT:
-            conic = None
-        else:
-            return None
-        if conic is not None:
-            return Step(conic, conic.parameter(ends[0]), conic.parameter(ends[1]))
-        # From the end nearer to the centre or the ridge, slower towards the other, where the surface may be upright.
-        share = np.sin(np.pi / 2 * AT)
-        if max(v0, v1) * depth - min(v0, v1) * depth > STRAIGHT:
-            low, high = sorted((v0, v1))
-            v = low + (high - low) * share
-            u = v * half * self.sign * (max(abs(u0), abs(u1)) > STRAIGHT)
-            forward = v1 > v0
-        else:
             near, far = sorted((abs(u0), abs(u1)))
-            v, u = np.full(NODES, v0), self.sign * (near + (far - near) * share)
-            forward = abs(u1) > abs(u0)
-        points = self.frame.points(v, u)
+            v, u, forward = np.full(NODES, v0), near + (far - near) * share, abs(u1) > abs(u0)
+        else:
+            on_rib = max(abs(abs(u0) - v0 * half), abs(abs(u1) - v1 * half)) < STRAIGHT
+            if not on_rib and max(abs(u0), abs(u1)) > STRAIGHT:
+                return None
+            low, high = sorted((v0, v1))
+            v, forward = low + (high - low) * share, v1 > v0
+            u = v * half * on_rib
+        points = self.frame.points(v, self.sign * u)
         points[[0, -1]] = ends if forward else ends[::-1]
         spline = Spline(make_interp_spline(AT, points, DEGREE), AT)
         return Step(spline, 0.0, 1.0) if forward else Step(spline, 1.0, 0.0)
-
-    def _arch(self, v: float, u: float) -> Conic | None:
-        low, rise, cu, cz, radius = self.frame.arch(v, u)
-        if abs(cz) > STRAIGHT:
-            return None
-        (tx, ty), span = self.frame.tangent, v * self.frame.size[2]
-        x, y = (float(value) for value in self.frame.place(np.array(v), np.array(0.0)))
-        a, b = (radius, radius) if radius else (span, rise)
-        outwards = self.sign * np.array([tx, ty, 0.0])
-        return Conic.of(Bow(cu, cz, a, b, 0.0, 0.0), MM * np.array([x, y, low]), outwards, UP)[0]
-
-    def _diagonal(self, v: float) -> Conic | None:
-        part = self.frame.part
-        corner = part.end if self.sign > 0 else part.start
-        x, y = corner[0] - part.centre[0], corner[1] - part.centre[1]
-        size = hypot(x, y)
-        if abs(size - part.reach) > STRAIGHT:  # an arc no more
-            return None
-        bows = half_outline(part.diagonal, 0.0, part.diagonal.half_span, -np.inf)
-        bow = next((bow for bow in bows if v * part.reach >= bow.at(bow.end)[0]), bows[-1])
-        if abs(bow.z) + abs(part.reach - part.diagonal.half_span) > STRAIGHT:
-            return None
-        return Conic.of(bow, MM * np.array([*part.centre, 0.0]), np.array([x / size, y / size, 0.0]), UP)[0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -342,14 +342,9 @@ def web_heights(along: Array, across: Array, parts: Array) -> Array:
 
 
 @compiled
-def web_arch(v: float, u: float, parts: Array) -> tuple[float, float, float, float, float]:
-    """The arch of the one web in a table at a share of the way to its wall: its foot and rise [m], and its arc over u.
-
-    The arc by its centre above the foot and its radius [m], 0 for half an ellipse.
-    """
-    low, rise = _chord(v, parts, 0)
-    cu, cz, r = _arch(u, v * parts[0, HALF], rise, parts[0, ARCH], parts[0, HAUNCH])
-    return low, rise, cu, cz, r
+def web_arch_rise(v: float, parts: Array) -> float:
+    """Rise [m] of the arch of the one web in a table at a share of the way to its wall."""
+    return _chord(v, parts, 0)[1]  # type: ignore[no-any-return]
 
 
 @apart
