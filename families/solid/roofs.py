@@ -24,6 +24,7 @@ from families.void.profile_outline import Bow, half_outline
 
 Array = NDArray[np.float64]
 FLOOR = 0.0  # height of the springing [m]
+QUARTERS = 4  # webs whose groins do not
 FAR = 1e3  # [m], farther than any vault reaches
 WHOLE = -1.0
 STRAIGHT = 1e-9  # of a metre, by which a line may miss a direction
@@ -355,9 +356,9 @@ class Body:
         for bow in self.bows:
             yield from (self._line(sign * bow.at(bow.start)[0]) for sign in signs)
         if part.crown_rise or part.names[0] != part.names[1]:
-            yield self._across(0.0)
+            yield self.across(0.0)
         if part.splay:
-            yield self._across(-1 / part.splay)
+            yield self.across(-1 / part.splay)
 
     def level(self, z: float) -> Iterator[Cut]:
         """Where it is as high as a level plane [m] that cuts it, where that is a line or circle."""
@@ -390,7 +391,8 @@ class Body:
         x, y = x / size, y / size
         return Cut((x, y), x * part.origin[0] + y * part.origin[1] + u / size)
 
-    def _across(self, along: float) -> Cut:
+    def across(self, along: float) -> Cut:
+        """Where along is as much."""
         part = self.part
         assert isinstance(part, BarrelPart)
         (ax, ay), (x, y) = part.along, part.origin
@@ -443,6 +445,14 @@ def _curve(part: Part) -> Curve:
     return part.curve
 
 
+def _between_webs(bodies: list[Body]) -> list[Cut]:
+    """More cuts where webs over a polygon are not as wide: their groins leave the crown beside its other cuts."""
+    webs = [body for body in bodies if isinstance(body.part, BarrelPart) and body.part.side]
+    if len(webs) <= QUARTERS or len({_curve(body.part) for body in webs}) == 1:
+        return []
+    return [body.across(0.0) for body in webs]
+
+
 def level_cuts(piece: Piece) -> Iterator[Cut]:
     """Where the level planes of a piece cut its other parts."""
     levels = [part.z for part in piece.parts if isinstance(part, Ceiling | Lid)]
@@ -480,6 +490,7 @@ class Void:
         for piece, bodies in zip(self.pieces, self.bodies, strict=True):
             found += [*level_cuts(piece), *(cut for body in bodies for cut in body.cuts())]
             found += [cut for body in bodies if isinstance(body.part, Ball) for cut in body.level(FLOOR)]
+            found += _between_webs(bodies)
         return found
 
     def over(self, x: float, y: float) -> list[list[Roof]]:
