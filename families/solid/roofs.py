@@ -493,6 +493,11 @@ class Void:
             found += _between_webs(bodies)
         return found
 
+    @property
+    def free(self) -> float | None:
+        """The height [m] from which on one of its pieces is free of the plan."""
+        return min((piece.foot for piece in self.pieces if piece.foot is not None), default=None)
+
     def over(self, x: float, y: float) -> list[list[Roof]]:
         """The roofs of each piece over a place, of pieces that are there."""
         found = []

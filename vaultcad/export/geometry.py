@@ -260,12 +260,12 @@ def _carried_on(vault: Vault, row: Floats) -> Floats:
     corner = (at_wall & ~on_wall).any(axis=1) & low
     row = row[keep := at_wall.any(axis=1) | ~(low & np.roll(low, 1) & np.roll(low, -1))]
     out, corner = at_wall[keep], corner[keep]
-    for k in np.flatnonzero(corner):
-        nearest = int(np.linalg.norm(vault.corners - row[k, :2], axis=1).argmin())
-        out[k, [nearest - 1, nearest]] = True
+    for j in np.flatnonzero(corner).tolist():
+        nearest = int(np.linalg.norm(vault.corners - row[j, :2], axis=1).argmin())
+        out[j, [nearest - 1, nearest]] = True
     far = np.array([_beyond(point, normals[of], offsets[of]) for point, of in zip(row[:, :2], out, strict=True)])
     points: list[Floats] = []
-    for k, moved in enumerate(out.any(axis=1)):
+    for k, moved in enumerate([any(sides) for sides in out.tolist()]):
         near = [] if corner[k] else [row[k, :2]]
         if not moved:
             points += near
