@@ -11,10 +11,14 @@ from families import Vault
 from families.declaration.pieces import Lid, Piece
 from families.declaration.plan import Plan
 from families.declaration.vault import IDENTITY
+from families.solid.mesh import mesh
 from families.void import kernel
+from families.void.columns import heights
 
 Array = NDArray[np.float64]
 Within = Callable[[Array], NDArray[np.bool_]]
+FINE = 5e-4  # [m] between triangles and the surface
+GAUSS = (np.ones((3, 3)) + 3 * np.eye(3)) / 6  # barycentric coordinates of points that integrate degree 2 exactly
 BOX = np.random.default_rng(0).uniform((-1, -1, 0), 1, (400_000, 3))
 
 
@@ -52,3 +56,19 @@ def volume_of(vault: Vault, within: Within, thickness: float, points: Array = BO
     size = np.array([*(vault.plan.half + 2 * thickness), top])
     share, whole = float(within(size * points).mean()), 4 * float(size.prod())
     return whole * share, whole * float(np.sqrt(max(share * (1 - share), 1e-5) / len(points)))
+
+
+def integral_of(vault: Vault) -> tuple[float, float]:
+    """Volume [m³] under the numeric surface, and the area [m²] over which it was summed: no more than the plan's.
+
+    By Gauss over triangles of the B-Rep seen from above, so that none of them lies on both sides of a groin or of a
+    step; only their places are the B-Rep's, the heights are not.
+    """
+    shown = mesh(vault, FINE)
+    corners = shown.vertices[shown.triangles][:, ::-1, :2]  # they face the room
+    (ax, ay), (bx, by) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
+    areas = (ax * by - ay * bx) / 2
+    level = areas > 0
+    places = np.einsum("pc,tcx->tpx", GAUSS, corners[level])
+    z = heights(vault, places.reshape(-1, 2)).reshape(-1, 3)
+    return float(areas[level] @ z.mean(axis=1)), float(areas.sum())

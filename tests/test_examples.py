@@ -30,7 +30,7 @@ def _ideal_vault(out: Path) -> None:
     assert solid.volume / 1e9 == pytest.approx(0.2 * (np.pi - 2) * 36, rel=0.05)
 
 
-def _seven_families(out: Path) -> None:
+def _all_families(out: Path) -> None:
     for family in FAMILIES:
         vault, cloud = family(), read(out / f"{family.id}.ply")
         component = read_labels(out / f"{family.id}.ply")
@@ -125,7 +125,7 @@ def _arcade(out: Path) -> None:
 
 PROMISED: dict[str, tuple[list[str], Callable[[Path], None]]] = {
     "01_ideal_vault": ([], _ideal_vault),
-    "02_seven_families": ([], _seven_families),
+    "02_all_families": ([], _all_families),
     "03_read_thin_normals": ([], _thinned),
     "04_segment_primitives": ([], _segments),
     "05_virtual_scan": ([], _virtual_scan),

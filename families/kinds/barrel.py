@@ -80,8 +80,11 @@ class Barrel(Vault):
 
     @property
     def lift(self) -> float:
-        """Half of what the ramp climbs [m]."""
-        return abs(self.slope) * self.axis.half_length
+        """What the ramp climbs from the lowest corner to the middle [m]."""
+        if not self.slope:
+            return 0.0
+        (x, y), (a, b) = self.axis.origin, self.axis.across
+        return float((-self.slope * ((self.corners - (x, y)) @ (-b, a))).max())
 
     def pieces(self) -> tuple[Piece, ...]:
         """One barrel."""

@@ -17,6 +17,8 @@ from families.solid.roofs import FLOOR, NOTHING, WHOLE, DrawnRoof, Plane, Roof, 
 from families.solid.web_roofs import WebBody
 from families.void.profile_outline import Bow, half_outline
 
+QUARTERS = 4  # coves whose groins leave the crown along its other cuts
+
 
 @dataclass(frozen=True, eq=False)
 class Body:
@@ -55,9 +57,9 @@ class Body:
         for bow in self.bows:
             yield from (self._line(sign * bow.at(bow.start)[0]) for sign in signs)
         if part.crown_rise or part.names[0] != part.names[1]:
-            yield self._across(0.0)
+            yield self.across(0.0)
         if part.splay:
-            yield self._across(-1 / part.splay)
+            yield self.across(-1 / part.splay)
 
     def level(self, z: float) -> Iterator[Cut]:
         """Where it is as high as a level plane [m] that cuts it, where that is a line or circle."""
@@ -90,7 +92,8 @@ class Body:
         x, y = x / size, y / size
         return Cut((x, y), x * part.origin[0] + y * part.origin[1] + u / size)
 
-    def _across(self, along: float) -> Cut:
+    def across(self, along: float) -> Cut:
+        """Where along is as much."""
         part = self.part
         assert isinstance(part, BarrelPart)
         (ax, ay), (x, y) = part.along, part.origin
@@ -144,6 +147,14 @@ def _curve(part: Part) -> Curve:
     return part.curve
 
 
+def _between_webs(bodies: list[Body | WebBody]) -> list[Cut]:
+    """More cuts where webs over a polygon are not as wide: their groins leave the crown beside its other cuts."""
+    coves = [body for body in bodies if isinstance(body, Body) and isinstance(body.part, BarrelPart) and body.part.side]
+    if len(coves) <= QUARTERS or len({_curve(body.part) for body in coves}) == 1:
+        return []
+    return [body.across(0.0) for body in coves]
+
+
 def level_cuts(piece: Piece) -> Iterator[Cut]:
     """Where the level planes of a piece cut its other parts."""
     levels = [part.z for part in piece.parts if isinstance(part, Ceiling | Lid)]
@@ -184,7 +195,13 @@ class Void:
         for piece, bodies in zip(self.pieces, self.bodies, strict=True):
             found += [*level_cuts(piece), *(cut for body in bodies for cut in body.cuts())]
             found += [cut for body in bodies if isinstance(body.part, Ball) for cut in body.level(FLOOR)]
+            found += _between_webs(bodies)
         return found
+
+    @property
+    def free(self) -> float | None:
+        """The height [m] from which on one of its pieces is free of the plan."""
+        return min((piece.foot for piece in self.pieces if piece.foot is not None), default=None)
 
     def over(self, x: float, y: float) -> list[list[Roof]]:
         """The roofs of each piece over a place, of pieces that are there."""

@@ -119,8 +119,11 @@ def face_names(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> list[tupl
     here = vault.evaluate(points)
     ground = np.abs(points[:, 2]) < EXACT_FACE
     side = ground | (np.abs(vault.plan.distance(points[:, :2])) < EXACT_FACE)
-    # Walls of a stilt stand on the plan's edge and are of the surface; other faces there only come near it.
-    shown = ~ground & (np.abs(here.distance) < EXACT_FACE)
+    # Walls of a stilt stand on the plan's edge and are of the surface; other faces there only come near it, and those
+    # below what is free of the plan are the plan's own.
+    free = Void(vault.pieces(), vault.plan).free
+    own = side & (points[:, 2] < free) if free is not None else ground
+    shown = ~(ground | own) & (np.abs(here.distance) < EXACT_FACE)
     names = (EXTRADOS, SIDE, *vault.components)
     kind = np.where(shown, here.component + 1, side)
     return [(face, names[k]) for face, k in zip(found, kind, strict=True)]

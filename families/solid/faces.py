@@ -346,7 +346,14 @@ class Faces:
         """A side parted by height: as high as the void goes on it is the plan's, above it is the void's own wall."""
         rows = self._outside(piece, sides)[0] if self.beyond is not None else np.empty(0, np.int64)
         if self.beyond is not None and not len(rows):
-            yield foot[0], top[0], True
+            free = self.beyond.free
+            if free is None or (foot[1] > free).any():
+                yield foot[0], top[0], True
+                return
+            # Below it stands the wall of the plan.
+            middle = self._step(self.outer, (self.outer.number(self._planes(free)),), piece)
+            yield foot[0], middle, False
+            yield middle, top[0], True
             return
         if self.beyond is None:
             yield foot[0], top[0], False

@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.pieces import Piece
+from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.vault import Vault
 from families.void.sampling_strips import Strip, strips
 
@@ -71,7 +71,7 @@ def _surfaces(vault: Vault) -> list[tuple[Strip, Piece]]:
         (strip, piece)
         for piece in vault.pieces()
         for part in piece.parts
-        for strip in strips(part, plan, piece.foot or 0.0)
+        for strip in strips(part, plan, 0.0 if isinstance(part, BarrelPart) else piece.foot or 0.0)
     ]
 
 
@@ -86,10 +86,10 @@ def _shown(vault: Vault, strip: Strip, piece: Piece, count: float, rng: np.rando
     first, turn = rng.random(2)
     i = np.arange(int(count - first) + 1 if count > first else 0)
     xyz, normal = strip.lay((i + first) / count, (i * GOLDEN + turn) % 1.0)
-    if piece.foot is None:
-        inside = (vault.plan.distance(xyz[:, :2]) <= 0) & (xyz[:, 2] >= 0)
-    else:
-        inside = xyz[:, 2] >= piece.foot
+    beyond = vault.plan.distance(xyz[:, :2])
+    inside = (beyond <= EXACT_POINT) & (xyz[:, 2] >= 0)
+    if piece.foot is not None:  # below that the walls on the plan's edge are the plan's
+        inside = (xyz[:, 2] >= piece.foot) | inside & (beyond < -EXACT_POINT)
     xyz, normal = xyz[inside], normal[inside]
     # The distance just behind the surface tells whether there is stone, not another piece of the void.
     shown = np.abs(vault.distance(xyz + PROBE * normal) - PROBE) < strip.probe_miss

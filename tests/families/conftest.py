@@ -1,18 +1,25 @@
-"""Vaults for the arguments `any_vault` (every family, profile and kind of junction) and `default_vault` of tests."""
+"""Vaults for arguments of tests: `any_vault` (every family, profile and kind of junction), `default_vault`, and
+`textbook_vault` (those with a formula for their height that a test can write down)."""
+
+from math import pi
 
 import pytest
 
 from families import (
     FAMILIES,
     PROFILES,
+    Annular,
     Barrel,
     BasketHandle,
+    Cloister,
+    Conch,
     Dome,
     Elliptical,
     Groin,
     Lunette,
     Mirror,
     Pointed,
+    Rotunda,
     Sail,
     Segmental,
     Semicircular,
@@ -20,6 +27,7 @@ from families import (
     Trough,
     Vault,
 )
+from families.declaration.corners import Skew
 
 OF_EVERY_PROFILE: tuple[Vault, ...] = tuple(
     vault
@@ -30,6 +38,10 @@ OF_EVERY_PROFILE: tuple[Vault, ...] = tuple(
         Trough(4.0, 6.0, profile()),
         Groin(4.0, 5.0, profile(), profile()),
         Dome(2.5, profile()),
+        Cloister(8, 2.5, profile()),
+        Conch(2.5, profile()),
+        Annular(4.0, 0.6, 2.0, profile()),
+        Rotunda(2.5, profile(), 0.3),
     )
 )
 
@@ -49,13 +61,32 @@ SPECIAL: tuple[Vault, ...] = (
     Groin(4.0, 4.0, crown_rise_ratio=0.1, offset_x_ratio=0.1),
     Groin(4.0, 4.0, Stilted(), BasketHandle(), offset_x_ratio=0.2, offset_y_ratio=0.05),
     Dome(3.0, drum_ratio=0.0, pendentive_ratio=0.8),
+    Cloister(3, 2.0),
+    Cloister(12, 3.0, Pointed(), 0.4),
+    Cloister(6, 2.5, Semicircular(), 0.0, 1.1),
+    Conch(2.0, Pointed()),
+    Annular(5.0, 0.5, 2 * pi),
+    Annular(5.0, 0.5, 4.2, Pointed()),
+    Annular(3.0, 1.7, 0.8, Segmental()),
+    Rotunda(2.0, Stilted(), 0.5),
+)
+
+OPENED: tuple[Vault, ...] = (
+    Cloister(8, 3.0, crossing=1),
+    Cloister(8, 3.0, Pointed(), 0.3, crossing=1),
+    Cloister(8, 3.0, crossing=2),
+    Cloister(8, 3.0, Segmental(), 0.4, 0.9, 2),
+    Barrel(4.0, 6.0, Pointed(), slope=-0.3),
+    Barrel(4.0, 3.0, Segmental(), splay=0.5),
+    Barrel(4.0, 3.0, slope=0.2, splay=-0.3),
+    *(family(skew=Skew(0.06, 0.08, -0.05)) for family in FAMILIES if family.four_corners),
 )
 
 
 GROUPS: dict[str, tuple[Vault, ...]] = {
     "default_vault": tuple(family() for family in FAMILIES),
-    "any_vault": (*(family() for family in FAMILIES), *OF_EVERY_PROFILE, *SPECIAL),
-    "special_vault": SPECIAL,
+    "any_vault": (*(family() for family in FAMILIES), *OF_EVERY_PROFILE, *SPECIAL, *OPENED),
+    "textbook_vault": (*(family() for family in FAMILIES), *OF_EVERY_PROFILE, *SPECIAL),
 }
 
 

@@ -1,4 +1,4 @@
-"""IFC4, checked by ifcopenshell's validator and its geometry kernel; all seven families in one file."""
+"""IFC4, checked by ifcopenshell's validator and its geometry kernel; all families in one file."""
 
 import ctypes
 import gc

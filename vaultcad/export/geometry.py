@@ -7,7 +7,7 @@ the whole without gap or overlap, whatever the family.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
-from families.declaration.pieces import Turned
+from families.declaration.pieces import BarrelPart, Lid, Turned
 from families.solid.grid_mesh import relief
 from families.solid.mesh import Mesh, mesh_solid
 from vaultcad.errors import ExportError
@@ -102,8 +102,11 @@ def cut(vault: Vault, mesh: Mesh) -> tuple[Body, ...]:
     if len(names) == 1:
         (k,) = names
         return (Body(k, names[k], mesh.vertices, mesh.triangles, float(areas[k])),)
-    turned = [(part, piece.foot) for piece in vault.pieces() for part in piece.parts if isinstance(part, Turned)]
-    parts = _level(vault, mesh, *turned[0]) if turned else _plumb(vault, mesh, areas)
+    parts = (
+        _tiered(vault, mesh, areas)
+        if _tiers(vault)
+        else _plumb(vault, mesh, areas, list(names), _manifold(mesh.vertices, mesh.triangles))
+    )
     shares = {k: _arrays(share) for k, share in parts}
     return tuple(Body(k, name, *shares[k], float(areas[k])) for k, name in names.items())
 
@@ -170,35 +173,59 @@ def loops(triangles: Triangles) -> list[list[int]]:
     return found
 
 
-def _level(vault: Vault, mesh: Mesh, turned: Turned, foot: float | None) -> Iterator[tuple[int, Any]]:
-    """Dome, drum and pendentives, cut by level planes; pendentives from each other along the axes."""
-    up = (0.0, 0.0, 1.0)
-    above, below = _manifold(mesh.vertices, mesh.triangles).split_by_plane(up, foot or 0.0)
-    for name in dict.fromkeys(turned.names):
-        k = vault.components.index(name) + 1
-        if name == turned.names[-1]:
-            yield k, above
-        else:
-            above, drum = above.split_by_plane(up, turned.base)
-            yield k, drum
-    for k, name in enumerate(vault.components, 1):
-        if name not in turned.names:
-            centre = mesh.vertices[mesh.triangles[mesh.component == k]].mean(axis=(0, 1))
-            quarter = below
-            for axis in (0, 1):
-                normal = [0.0, 0.0, 0.0]
-                normal[axis] = float(np.sign(centre[axis]))
-                quarter = quarter.trim_by_plane(normal, 0.0)
-            yield k, quarter
+@dataclass(frozen=True)
+class _Tiers:
+    """What stands above the springing in tiers, cut by level planes at these heights [m]: corners, drum, crown."""
+
+    ring: float
+    base: float
+    drum: str
+    crown: tuple[str, ...]
 
 
-def _plumb(vault: Vault, mesh: Mesh, areas: NDArray[Any]) -> Iterator[tuple[int, Any]]:
-    """Each component cut out by a prism over its plan; the largest is what is left, so that nothing is lost."""
+def _tiers(vault: Vault) -> _Tiers | None:
+    """Those of a dome, of webs on a drum or over a crossing; None where there are none."""
+    pieces = vault.pieces()
+    upper = next((piece for piece in pieces if piece.foot is not None), pieces[0])
+    lids = [part.z for piece in pieces for part in piece.parts if isinstance(part, Lid)]
+    ring = min(lids, default=0.0)
+    for part in upper.parts:
+        if isinstance(part, Turned):
+            low, high = part.names
+            return _Tiers(ring, part.base, low if low != high else "", (high,))
+    webs = [part for part in upper.parts if isinstance(part, BarrelPart) and part.side]
+    if not webs or not (lids or webs[0].below):
+        return None
+    return _Tiers(ring, webs[0].base, webs[0].below, tuple(name for web in webs for name in web.names[:1]))
+
+
+def _tiered(vault: Vault, mesh: Mesh, areas: NDArray[Any]) -> Iterator[tuple[int, Any]]:
+    """Crown, drum and corners, cut by level planes; webs of the crown by plumb ones, corners along the axes."""
+    tiers, up = _tiers(vault), (0.0, 0.0, 1.0)
+    assert tiers is not None
+    ids = {name: k for k, name in enumerate(vault.components, 1)}
+    crown, below = _manifold(mesh.vertices, mesh.triangles).split_by_plane(up, tiers.ring)
+    if tiers.drum:
+        crown, drum = crown.split_by_plane(up, tiers.base)
+        yield ids[tiers.drum], drum
+    yield from _plumb(vault, mesh, areas, [ids[name] for name in tiers.crown], crown)
+    for name in (name for name in vault.components if name not in {tiers.drum, *tiers.crown}):
+        centre = mesh.vertices[mesh.triangles[mesh.component == ids[name]]].mean(axis=(0, 1))
+        quarter = below
+        for axis in (0, 1):
+            normal = [0.0, 0.0, 0.0]
+            normal[axis] = float(np.sign(centre[axis]))
+            quarter = quarter.trim_by_plane(normal, 0.0)
+        yield ids[name], quarter
+
+
+def _plumb(vault: Vault, mesh: Mesh, areas: NDArray[Any], ids: Sequence[int], whole: Any) -> Iterator[tuple[int, Any]]:
+    """Each component cut out of the whole by a prism over its plan; the largest is what is left: nothing is lost."""
     import manifold3d
 
-    whole = _manifold(mesh.vertices, mesh.triangles)
-    largest = int(areas[1:-1].argmax()) + 1
-    prisms = {k: _prism(vault, mesh, k) for k in range(1, len(vault.components) + 1) if areas[k] and k != largest}
+    shown = [k for k in ids if areas[k]]
+    largest = max(shown, key=lambda k: float(areas[k]))
+    prisms = {k: _prism(vault, mesh, k) for k in shown if k != largest}
     for k, prism in prisms.items():
         yield k, whole ^ prism
     others = manifold3d.Manifold.batch_boolean(list(prisms.values()), manifold3d.OpType.Add)
@@ -226,18 +253,19 @@ def _prism(vault: Vault, mesh: Mesh, component: int) -> Any:
 
 def _carried_on(vault: Vault, row: Floats) -> Floats:
     """A border (n, 3) in plan, (m, 2) counterclockwise; stretches at the walls go out, joints from their ends."""
-    plan = vault.plan
-    half, on_wall = np.array([plan.half_x, plan.half_y]), np.array([plan.on_wall_x, plan.on_wall_y])
-    at_wall = np.abs(row[:, :2]) > half - ON_EDGE
+    normals, offsets, on_wall = _walls(vault)
+    at_wall = np.abs(row[:, :2] @ normals.T - offsets) < ON_EDGE
     # Where wall arches stand outside the springings, the corner between is shared along the diagonal.
     low = row[:, 2] < ON_EDGE
     corner = (at_wall & ~on_wall).any(axis=1) & low
     row = row[keep := at_wall.any(axis=1) | ~(low & np.roll(low, 1) & np.roll(low, -1))]
-    at_wall, corner = at_wall[keep], corner[keep]
-    out = at_wall | corner[:, None]
-    far = np.where(out, np.sign(row[:, :2]) * (half + BEYOND), row[:, :2])
+    out, corner = at_wall[keep], corner[keep]
+    for j in np.flatnonzero(corner).tolist():
+        nearest = int(np.linalg.norm(vault.corners - row[j, :2], axis=1).argmin())
+        out[j, [nearest - 1, nearest]] = True
+    far = np.array([_beyond(point, normals[of], offsets[of]) for point, of in zip(row[:, :2], out, strict=True)])
     points: list[Floats] = []
-    for k, moved in enumerate(out.any(axis=1)):
+    for k, moved in enumerate([any(sides) for sides in out.tolist()]):
         near = [] if corner[k] else [row[k, :2]]
         if not moved:
             points += near
@@ -249,6 +277,31 @@ def _carried_on(vault: Vault, row: Floats) -> Floats:
             points.append(far[k])
     outline = np.array(points)[::-1]  # triangles face the room below: clockwise from above
     return outline if _area(outline) > 0 else outline[::-1]
+
+
+def _walls(vault: Vault) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Normals (n, 2) and offsets (n,) [m] of the walls at which components end, and whether stone stands on them."""
+    free = [part for piece in vault.pieces() if piece.foot is not None for part in piece.parts]
+    webs = [part for part in free if isinstance(part, BarrelPart)]
+    if webs:  # free of the plan
+        across = np.array([np.multiply(web.side, web.across) for web in webs])
+        inset = [float(normal @ web.origin) for normal, web in zip(across, webs, strict=True)]
+        return across, np.array(inset) + [web.curve.half_span for web in webs], np.ones(len(webs), bool)
+    sides = [side for side in vault.plan.sides if side.centre is None]
+    return (
+        np.array([s.normal for s in sides]),
+        np.array([s.offset for s in sides]),
+        np.array([s.on_wall for s in sides]),
+    )
+
+
+def _beyond(point: Floats, normals: Floats, offsets: Floats) -> Floats:
+    """A point (2,) moved out past the walls at which it stands, by as much past each of them."""
+    if not len(normals):
+        return point
+    beyond = offsets[:2] + BEYOND - normals[:2] @ point
+    moved: Floats = point + np.linalg.lstsq(normals[:2], beyond, rcond=None)[0]
+    return moved
 
 
 def _manifold(vertices: Floats, triangles: NDArray[np.integer]) -> Any:

@@ -1,6 +1,6 @@
-"""All seven families as clouds: points even by area, with normals and component labels. Writes sail.ply … dome.ply.
+"""All families as clouds: points even by area, with normals and component labels. Writes sail.ply, barrel.ply ….
 
-Usage: python examples/02_seven_families.py [FOLDER]
+Usage: python examples/02_all_families.py [FOLDER]
 """
 
 import sys
