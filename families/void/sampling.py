@@ -15,6 +15,7 @@ from families.void.sampling_strips import Strip, strips
 Array = NDArray[np.float64]
 GOLDEN = (sqrt(5) - 1) / 2
 PILOT = 40_000  # points that tell how much of all strips shows
+EXACT_POINT = 1e-9  # [m]
 PROBE = 1e-6  # [m] into the stone, where the distance must be that
 
 
@@ -93,7 +94,8 @@ def _shown(vault: Vault, strip: Strip, piece: Piece, count: float, rng: np.rando
     xyz, normal = xyz[inside], normal[inside]
     # The distance just behind the surface tells whether there is stone, not another piece of the void.
     shown = np.abs(vault.distance(xyz + PROBE * normal) - PROBE) < strip.probe_miss
-    return xyz[shown]
+    found: Array = xyz[shown]
+    return found
 
 
 def _described(vault: Vault, xyz: Array) -> Sample:

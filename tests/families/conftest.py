@@ -19,12 +19,14 @@ from families import (
     Lunette,
     Mirror,
     Pointed,
+    Rib,
     Rotunda,
     Sail,
     Segmental,
     Semicircular,
     Stilted,
     Trough,
+    Umbrella,
     Vault,
 )
 from families.declaration.corners import Skew
@@ -86,7 +88,11 @@ OPENED: tuple[Vault, ...] = (
 GROUPS: dict[str, tuple[Vault, ...]] = {
     "default_vault": tuple(family() for family in FAMILIES),
     "any_vault": (*(family() for family in FAMILIES), *OF_EVERY_PROFILE, *SPECIAL, *OPENED),
-    "textbook_vault": (*(family() for family in FAMILIES), *OF_EVERY_PROFILE, *SPECIAL),
+    "textbook_vault": (
+        *(family() for family in FAMILIES if family not in (Rib, Umbrella)),
+        *OF_EVERY_PROFILE,
+        *SPECIAL,
+    ),
 }
 
 
