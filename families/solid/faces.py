@@ -18,19 +18,21 @@ from families.declaration.plan import Vector
 from families.declaration.units import MM
 from families.solid.boundary import Loop, Pole, Step
 from families.solid.curves import Spline, Straight
-from families.solid.envelope import DENSE, SAME_HEIGHT, Line, Skin, nodes
+from families.solid.envelope import LOOKED, SAME_HEIGHT, Line, Skin
 from families.solid.face_net import ONE, Net, Patch
 from families.solid.heights import change, shown
 from families.solid.plan_cells import SAME_PLACE, Ground, Part
 from families.solid.plane_regions import regions
 from families.solid.roofs import Plane, Roof, TurnedRoof, Void
 from families.solid.seamless import seamless
+from families.solid.splines import spread
 from families.solid.surfaces import Drum, Flat, Sheet
 
 Array = NDArray[np.float64]
 BETWEEN = np.array([0.13, 0.31, 0.5, 0.69, 0.87])  # shares of an edge at which heights on both sides are compared
 MIDDLE = np.array([0.5])
 OUTSIDE = 1e-5  # [m] beyond a side, where it is looked what stands there
+LAID = 49  # places through which a curve over a way is laid
 LOOKS = 24  # places along a side at which it is looked what stands beyond
 SAME_STOP = 1e-9  # [m]
 ROUNDED = 1e-5  # [m]
@@ -231,14 +233,14 @@ class Faces:
             if left == right or left < 0 or right < 0:
                 continue
             x, y = self._places(piece, BETWEEN)
-            miss = skin.height(left, x, y) - skin.height(right, x, y)
+            miss = skin.heights(left, x, y) - skin.heights(right, x, y)
             if miss.min() > -SAME_HEIGHT or miss.max() < SAME_HEIGHT:
                 continue
             way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
 
             def off(t: float, way: Any = way, left: int = left, right: int = right) -> float:
                 a, b = way.places(np.array([t]))
-                return float((skin.height(left, a, b) - skin.height(right, a, b))[0])
+                return float((skin.heights(left, a, b) - skin.heights(right, a, b))[0])
 
             at = start + BETWEEN * (end - start)
             for j in np.flatnonzero(miss[:-1] * miss[1:] < 0).tolist():
@@ -300,7 +302,7 @@ class Faces:
             if left == right or left < 0 or right < 0:
                 continue
             x, y = self._places(piece, BETWEEN)
-            miss = skin.height(left, x, y) - skin.height(right, x, y)
+            miss = skin.heights(left, x, y) - skin.heights(right, x, y)
             if np.abs(miss).max() < SAME_HEIGHT:
                 step = self._step(skin, (left, right), piece)
                 steps[left].append(step)
@@ -324,7 +326,7 @@ class Faces:
                 continue
             roof, floor = sides.inner, self.below[piece].inner
             x, y = self._places(piece, BETWEEN)
-            high, low = self.top.height(roof, x, y), self.bottom.height(floor, x, y)
+            high, low = self.top.heights(roof, x, y), self.bottom.heights(floor, x, y)
             left = sides.left >= 0
             top = self._step(self.top, (roof,), piece)
             self.roofs[0][roof].append(top if left else top.reversed)
@@ -350,7 +352,7 @@ class Faces:
         x, y = self._places(piece, MIDDLE)
         rows, owners = self._outside(piece, sides)
         label = int(rows[shown(x, y, self.outer.table, rows, owners)[0][0]])
-        over = self.outer.height(label, *self._places(piece, BETWEEN))
+        over = self.outer.heights(label, *self._places(piece, BETWEEN))
         if (over - top[1]).max() > -SAME_HEIGHT:
             yield foot[0], top[0], False
         elif (over - foot[1]).min() < SAME_HEIGHT:
@@ -366,7 +368,7 @@ class Faces:
         t = np.array([start, end])
         x, y = way.places(t)
         for roof in roofs:
-            z = skin.height(roof, x, y)
+            z = skin.heights(roof, x, y)
             ends = [(MM * float(a), MM * float(b), MM * float(c)) for a, b, c in zip(x, y, z, strict=True)]
             step = skin.roofs[roof].exact(way, start, end, (ends[0], ends[1]))
             if step is not None:
@@ -374,10 +376,9 @@ class Faces:
 
         def points(share: Array) -> Array:
             a, b = way.places(start + (1 - np.cos(np.pi * share)) / 2 * (end - start))
-            return np.stack([a, b, skin.height(roofs[0], a, b)], axis=1)
+            return np.stack([a, b, skin.heights(roofs[0], a, b)], axis=1)
 
-        dense = np.linspace(0, 1, DENSE)
-        spline = Spline.through(MM * points(nodes(points(dense), dense)))
+        spline = Spline.through(MM * points(spread(points(LOOKED), LOOKED, LAID)))
         return Step(spline, 0.0, spline.end)
 
     # Walls.
