@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2, ceil, cos, hypot, pi, tan
+from math import atan2, ceil, cos, hypot, pi, sin, tan
 from typing import Any
 
 import numpy as np
@@ -44,6 +44,10 @@ class Path(ABC):
     def points(self, t: Array) -> Array:
         """Points (n, 3) at parameters (n,)."""
 
+    def at(self, t: float) -> Point:
+        """The point at one parameter."""
+        return point(self.points(np.array([t]))[0])
+
     def samples(self, start: float, end: float) -> tuple[Array, Array]:
         """Parameters (n,) and points (n, 3) at which a curve on a surface is to agree with this one."""
         t = np.linspace(start, end, SAMPLES)
@@ -78,6 +82,11 @@ class Straight(Simple):
         """Points at parameters."""
         found: Array = np.outer(t, self.direction) + self.origin
         return found
+
+    def at(self, t: float) -> Point:
+        """The point at one parameter."""
+        (a, b, c), (x, y, z) = self.direction, self.origin
+        return x + t * a, y + t * b, z + t * c
 
     def parameters(self, points: Array) -> Array:
         """The way along."""
@@ -128,6 +137,12 @@ class Conic(Simple):
         """Points at eccentric angles."""
         found: Array = np.stack([np.cos(t), np.sin(t)], axis=1) @ self._axes + self.centre
         return found
+
+    def at(self, t: float) -> Point:
+        """The point at one eccentric angle."""
+        (x, y, z), (a, b, c), (d, e, f) = self.centre, self.x, self.y
+        across, up = self.a * cos(t), self.b * sin(t)
+        return x + across * a + up * d, y + across * b + up * e, z + across * c + up * f
 
     def parameters(self, points: Array) -> Array:
         """Eccentric angles from `LEAST` up."""
@@ -197,21 +212,21 @@ class Spline(Path):
 
     knots: Array
     poles: Array
-    at: Array
+    nodes: Array
     laid: Array
 
     @staticmethod
     def through(points: Array) -> Spline:
         """Through points (n, 3), by the lengths of its chords."""
         steps = np.diff(points, axis=0)
-        at = np.append(0.0, np.cumsum(np.sqrt((steps * steps).sum(axis=1))))
-        knots, poles = interpolated(at, points)
-        return Spline(knots, poles, at, points)
+        nodes = np.append(0.0, np.cumsum(np.sqrt((steps * steps).sum(axis=1))))
+        knots, poles = interpolated(nodes, points)
+        return Spline(knots, poles, nodes, points)
 
     @property
     def end(self) -> float:
         """Last parameter; the first is 0."""
-        return float(self.at[-1])
+        return float(self.nodes[-1])
 
     @cached_property
     def geometry(self) -> Geom_Curve:
@@ -225,7 +240,7 @@ class Spline(Path):
 
     def samples(self, start: float, end: float) -> tuple[Array, Array]:
         """The points through which it was laid."""
-        return self.at, self.laid
+        return self.nodes, self.laid
 
 
 def drawn(path: Path, start: float, end: float, parameters: Callable[[Array], Array]) -> Geom2d_Curve:

@@ -307,7 +307,7 @@ class _Outline:
             if np.isnan(laid).any():
                 return None
             spline = Spline.through(MM * laid)
-            between = spline.points((spline.at[1:] + spline.at[:-1]) / 2) / MM
+            between = spline.points((spline.nodes[1:] + spline.nodes[:-1]) / 2) / MM
             if stray(between, self.skin.table, rows[0]) < NEAR_ENOUGH:
                 break
         return Line(start, end, spline)

@@ -27,7 +27,7 @@ from OCP.TopoDS import (
 
 from families.declaration.units import MM
 from families.solid.boundary import Loop, Pole, Step
-from families.solid.curves import Simple
+from families.solid.curves import Point, Simple
 from families.solid.occ.shapes import together
 from families.solid.surfaces import Flat, Sheet
 
@@ -44,7 +44,7 @@ class Edge:
     shape: TopoDS_Edge
     step: Step
     ends: tuple[int, int]
-    middle: tuple[float, ...]
+    middle: Point
     uses: int = 0
 
 
@@ -64,25 +64,23 @@ class Net:
     vertices: list[TopoDS_Vertex] = field(default_factory=list)
     edges: list[Edge] = field(default_factory=list)
     faces: list[tuple[TopoDS_Face, list[int]]] = field(default_factory=list)  # with the edges of each
-    _coordinates: list[tuple[float, float, float]] = field(default_factory=list)
-    _known: dict[tuple[float, float, float], int] = field(default_factory=dict)  # vertices by the points asked for
+    _coordinates: list[Point] = field(default_factory=list)
+    _known: dict[Point, int] = field(default_factory=dict)  # vertices by the points asked for
     _near: dict[tuple[int, ...], list[int]] = field(default_factory=dict)  # vertices by the cubes of 1 mm around them
     _places: Array = field(default_factory=lambda: np.empty((0, 3)))
     _between: dict[tuple[int, int], list[int]] = field(default_factory=dict)
 
-    def vertex(self, point: Array) -> int:
-        """The vertex at a point (3,), old or new."""
-        x, y, z = point.tolist()
-        if (x, y, z) not in self._known:
-            self._known[x, y, z] = self._vertex(x, y, z)
-        return self._known[x, y, z]
+    def vertex(self, point: Point) -> int:
+        """The vertex at a point, old or new."""
+        if (found := self._known.get(point)) is None:
+            found = self._known[point] = self._vertex(*point)
+        return found
 
     def _vertex(self, x: float, y: float, z: float) -> int:
         low, high = (floor(x - ONE), floor(y - ONE), floor(z - ONE)), (floor(x + ONE), floor(y + ONE), floor(z + ONE))
         for key in (low,) if low == high else product(*map(set, zip(low, high, strict=True))):
             for k in self._near.get(key, ()):
-                there = self._coordinates[k]
-                if abs(there[0] - x) < ONE and abs(there[1] - y) < ONE and abs(there[2] - z) < ONE:
+                if near(self._coordinates[k], (x, y, z)):
                     return k
         shape = TopoDS_Vertex()
         BRep_Builder().MakeVertex(shape, gp_Pnt(x, y, z), VERTEX)
@@ -106,7 +104,7 @@ class Net:
         for step in steps:
             self.vertex(step.places[0])
             self.vertex(step.places[2])
-        first, middle, last = np.stack([step.places for step in steps], axis=1)
+        first, middle, last = np.array([step.places for step in steps]).swapaxes(0, 1)
         # An arc leaves the box of these three by less than its sagitta.
         slack = np.abs(2 * middle - first - last).max(axis=1, keepdims=True) + ONE
         low, high = np.minimum(first, last) - slack, np.maximum(first, last) + slack
@@ -140,13 +138,9 @@ class Net:
         at = [step.start, *cuts, step.end]
         return [Step(step.path, a, b) for a, b in pairwise(at)]
 
-    def _found(self, ends: tuple[int, int], middle: Array) -> int | None:
-        x, y, z = middle.tolist()
-        for k in self._between.get((min(ends), max(ends)), ()):
-            there = self.edges[k].middle
-            if abs(there[0] - x) < ONE and abs(there[1] - y) < ONE and abs(there[2] - z) < ONE:
-                return k
-        return None
+    def _found(self, ends: tuple[int, int], middle: Point) -> int | None:
+        between = self._between.get((min(ends), max(ends)), ())
+        return next((k for k in between if near(self.edges[k].middle, middle)), None)
 
     def ends(self, step: Step) -> tuple[int, int]:
         """The vertices of a step."""
@@ -171,7 +165,7 @@ class Net:
         builder.Add(shape, self.vertices[along[0]].Oriented(TopAbs_FORWARD))
         builder.Add(shape, self.vertices[along[1]].Oriented(TopAbs_REVERSED))
         builder.Range(shape, forward.start, forward.end)
-        self.edges.append(Edge(shape, forward, along, tuple(step.places[1].tolist())))
+        self.edges.append(Edge(shape, forward, along, step.places[1]))
         self._between.setdefault((min(ends), max(ends)), []).append(len(self.edges) - 1)
         return len(self.edges) - 1, forward is step
 
@@ -216,7 +210,7 @@ class Net:
     def _pole(self, step: Pole, sheet: Sheet) -> TopoDS_Edge:
         shape, builder = TopoDS_Edge(), BRep_Builder()
         builder.MakeEdge(shape)
-        vertex = self.vertices[self.vertex(step.points(0.0)[0])]
+        vertex = self.vertices[self.vertex(step.places[0])]
         (u, v), way = step.first, np.subtract(step.last, step.first)
         line = Geom2d_Line(gp_Pnt2d(u, v), gp_Dir2d(*way.tolist()))
         builder.UpdateEdge(shape, line, sheet.geometry, HERE, EDGE)
@@ -247,6 +241,11 @@ class Net:
             builder.Add(solid, shell)
             found.append(solid)
         return together(found)
+
+
+def near(a: Point, b: Point) -> bool:
+    """Whether two points are one."""
+    return abs(a[0] - b[0]) < ONE and abs(a[1] - b[1]) < ONE and abs(a[2] - b[2]) < ONE
 
 
 def _connected(sets: Sequence[list[int]]) -> list[list[int]]:

@@ -160,6 +160,16 @@ def middle(parts: Array) -> tuple[float, float]:
 
 
 @compiled
+def between(way: Array, start: float, end: float, shares: Array, upper: Array, a: int, lower: Array, b: int) -> Array:
+    """How much higher (n,) roof a of one table is than roof b of another, at shares of a part of a way."""
+    out = np.empty(len(shares))
+    for i in range(len(shares)):
+        x, y = _on(way, start + shares[i] * (end - start))
+        out[i] = height_at(x, y, upper, a) - height_at(x, y, lower, b)
+    return out
+
+
+@compiled
 def change(
     way: Array, start: float, end: float, roofs: Array, rows: NDArray[np.int64], pieces: NDArray[np.int64]
 ) -> tuple[float, int]:

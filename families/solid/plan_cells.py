@@ -67,7 +67,7 @@ class Way:
         arc = (0.0,) * 5 if self.centre is None else (*self.centre, self.radius, self.angle, self.sweep)
         return *self.start, *self.end, *arc
 
-    @property
+    @cached_property
     def row(self) -> Array:
         """The same as an array."""
         return np.array(self.numbers)

@@ -110,7 +110,7 @@ def test_regions_have_their_holes_and_are_told_from_islands():
     net = Net()
     found = regions(Flat.level(0.0).parameters, steps, [net.ends(step) for step in steps])
     assert sorted(len(loops) for loops in found) == [1, 2]
-    outlines = [np.concatenate([step.places[:1, :2] for step in loops[0]]) for loops in found]
+    outlines = [np.array([step.places[0][:2] for step in loops[0]]) for loops in found]
     assert sorted(abs(area(outline)) for outline in outlines) == [16, 400]
 
 
@@ -123,7 +123,7 @@ def test_a_boundary_with_a_gap_is_refused():
 def test_an_edge_is_cut_where_another_ends_on_it_and_is_shared():
     net = Net()
     plane, line = Flat.level(0.0), Straight((1.0, 0.0, 0.0), (0.0, 10.0, 0.0))
-    net.vertex(np.array([3.0, 10.0, 0.0]))
+    net.vertex((3.0, 10.0, 0.0))
     (loop,) = net.cut([[Step(line, -10.0, 10.0)]])
     assert [(step.start, step.end) for step in loop] == [(-10, 3), (3, 10)]
     first, last = (net.edge(step) for step in loop)
