@@ -23,10 +23,9 @@ from families.void.profile_outline import Bow
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]
-SAMPLES = 49  # of a curve that is interpolated
-ARC_STEP = 0.03  # [rad] between the samples of a circle
+SAMPLES = 25  # of a curve that is interpolated
+ARC_STEP = 0.06  # [rad] between the samples of a circle
 STRAIGHT = 1e-9  # of the parameters of a surface, to which a curve on it is a straight line
-PROBES = np.array([0.1, 0.35, 0.6, 0.9])
 AXES = np.eye(3)
 TINY = 1e-300
 LEAST = -pi / 2 - 0.1  # of the angles of conics: no upright quarter is cut there
@@ -50,7 +49,11 @@ class Path(ABC):
 
     def samples(self, start: float, end: float) -> tuple[Array, Array]:
         """Parameters (n,) and points (n, 3) at which a curve on a surface is to agree with this one."""
-        t = np.linspace(start, end, SAMPLES)
+        return self._sampled(start, end, SAMPLES)
+
+    def _sampled(self, start: float, end: float, count: int) -> tuple[Array, Array]:
+        """The denser towards the ends, where splines are the least accurate."""
+        t = start + (end - start) * (1 - np.cos(np.linspace(0, np.pi, count))) / 2
         return t, self.points(t)
 
 
@@ -135,7 +138,8 @@ class Conic(Simple):
 
     def points(self, t: Array) -> Array:
         """Points at eccentric angles."""
-        found: Array = np.stack([np.cos(t), np.sin(t)], axis=1) @ self._axes + self.centre
+        across, up = self._axes
+        found: Array = np.cos(t)[:, None] * across + np.sin(t)[:, None] * up + self.centre
         return found
 
     def at(self, t: float) -> Point:
@@ -159,8 +163,7 @@ class Conic(Simple):
 
     def samples(self, start: float, end: float) -> tuple[Array, Array]:
         """As many as the angle asks for."""
-        t = np.linspace(start, end, max(SAMPLES, ceil(abs(end - start) / ARC_STEP)))
-        return t, self.points(t)
+        return self._sampled(start, end, max(SAMPLES, ceil(abs(end - start) / ARC_STEP)))
 
     @staticmethod
     def of(bow: Bow, place: Array, across: Array, up: Array) -> tuple[Conic, float, float]:
@@ -245,15 +248,16 @@ class Spline(Path):
 
 def drawn(path: Path, start: float, end: float, parameters: Callable[[Array], Array]) -> Geom2d_Curve:
     """A path in the parameters of a surface, given by those (n, 2) of points (n, 3): a straight line if it is one."""
-    # Not at the ends, which may be poles, where one of the parameters means nothing.
-    t = start + PROBES * (end - start)
-    uv = parameters(path.points(t))
-    rate = (uv[-1] - uv[0]) / (t[-1] - t[0])
-    if np.abs(uv[0] + np.outer(t - t[0], rate) - uv).max() > STRAIGHT * max(1.0, np.abs(uv).max()):
-        t, points = path.samples(start, end)
-        knots, poles = interpolated(t, parameters(points))
+    t, points = path.samples(start, end)
+    uv = parameters(points)
+    # Not by the ends, which may be poles, where one of the parameters means nothing.
+    inner = slice(1, -1)
+    first, last = uv[inner][[0, -1]]
+    rate = (last - first) / (t[-2] - t[1])
+    if np.abs(first + np.outer(t - t[1], rate) - uv)[inner].max() > STRAIGHT * max(1.0, np.abs(uv).max()):
+        knots, poles = interpolated(t, uv)
         return Geom2d_BSplineCurve(*_spline(knots, poles, DEGREE, TColgp_Array1OfPnt2d, gp_Pnt2d))
-    origin, speed = uv[0] - t[0] * rate, hypot(*rate)
+    origin, speed = first - t[1] * rate, hypot(*rate)
     if abs(speed - 1) < STRAIGHT:
         return Geom2d_Line(gp_Pnt2d(*origin.tolist()), gp_Dir2d(*rate.tolist()))
     ends = np.array([start, start, end, end])

@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 ONE = 1e-3  # [mm], points nearer than that are one
 EDGE, VERTEX = ONE, 2 * ONE  # [mm], tolerances of edges and of vertices, which may stand for others that near
 HERE = TopLoc_Location()
+BUILDER = BRep_Builder()
 
 
 @dataclass
@@ -83,7 +84,7 @@ class Net:
                 if near(self._coordinates[k], (x, y, z)):
                     return k
         shape = TopoDS_Vertex()
-        BRep_Builder().MakeVertex(shape, gp_Pnt(x, y, z), VERTEX)
+        BUILDER.MakeVertex(shape, gp_Pnt(x, y, z), VERTEX)
         self.vertices.append(shape)
         self._coordinates.append((x, y, z))
         self._near.setdefault((floor(x), floor(y), floor(z)), []).append(len(self.vertices) - 1)
@@ -160,19 +161,19 @@ class Net:
     def _edge(self, step: Step, ends: tuple[int, int]) -> tuple[int, bool]:
         forward = step if step.end > step.start else step.reversed
         along = ends if step.end > step.start else ends[::-1]
-        shape, builder = TopoDS_Edge(), BRep_Builder()
-        builder.MakeEdge(shape, step.path.geometry, EDGE)
-        builder.Add(shape, self.vertices[along[0]].Oriented(TopAbs_FORWARD))
-        builder.Add(shape, self.vertices[along[1]].Oriented(TopAbs_REVERSED))
-        builder.Range(shape, forward.start, forward.end)
+        shape = TopoDS_Edge()
+        BUILDER.MakeEdge(shape, step.path.geometry, EDGE)
+        BUILDER.Add(shape, self.vertices[along[0]].Oriented(TopAbs_FORWARD))
+        BUILDER.Add(shape, self.vertices[along[1]].Oriented(TopAbs_REVERSED))
+        BUILDER.Range(shape, forward.start, forward.end)
         self.edges.append(Edge(shape, forward, along, step.places[1]))
         self._between.setdefault((min(ends), max(ends)), []).append(len(self.edges) - 1)
         return len(self.edges) - 1, forward is step
 
     def add(self, patch: Patch) -> None:
         """Make the face of a patch; it shares the edges that are there already."""
-        builder, face = BRep_Builder(), TopoDS_Face()
-        builder.MakeFace(face, patch.sheet.geometry, EDGE)
+        face = TopoDS_Face()
+        BUILDER.MakeFace(face, patch.sheet.geometry, EDGE)
         used: list[int] = []
         for loop in patch.loops:
             self._wire(face, patch.sheet, loop, used)
@@ -191,33 +192,33 @@ class Net:
                 way.remove(back) if back in way else way.append(here)
         if not way:
             return
-        wire, builder = TopoDS_Wire(), BRep_Builder()
-        builder.MakeWire(wire)
+        wire = TopoDS_Wire()
+        BUILDER.MakeWire(wire)
         for item in way:
             if isinstance(item, Pole):
-                builder.Add(wire, self._pole(item, sheet))
+                BUILDER.Add(wire, self._pole(item, sheet))
                 continue
             edge, forward = self.edges[item[0]], item[1]
             if not isinstance(sheet, Flat):
                 curve = sheet.trace(edge.step.path, edge.step.start, edge.step.end)
-                builder.UpdateEdge(edge.shape, curve, sheet.geometry, HERE, EDGE)
+                BUILDER.UpdateEdge(edge.shape, curve, sheet.geometry, HERE, EDGE)
             edge.uses += 1
             used.append(item[0])
-            builder.Add(wire, edge.shape.Oriented(TopAbs_FORWARD if forward else TopAbs_REVERSED))
+            BUILDER.Add(wire, edge.shape.Oriented(TopAbs_FORWARD if forward else TopAbs_REVERSED))
         wire.Closed(True)
-        builder.Add(face, wire)
+        BUILDER.Add(face, wire)
 
     def _pole(self, step: Pole, sheet: Sheet) -> TopoDS_Edge:
-        shape, builder = TopoDS_Edge(), BRep_Builder()
-        builder.MakeEdge(shape)
+        shape = TopoDS_Edge()
+        BUILDER.MakeEdge(shape)
         vertex = self.vertices[self.vertex(step.places[0])]
         (u, v), way = step.first, np.subtract(step.last, step.first)
         line = Geom2d_Line(gp_Pnt2d(u, v), gp_Dir2d(*way.tolist()))
-        builder.UpdateEdge(shape, line, sheet.geometry, HERE, EDGE)
-        builder.Add(shape, vertex.Oriented(TopAbs_FORWARD))
-        builder.Add(shape, vertex.Oriented(TopAbs_REVERSED))
-        builder.Range(shape, 0.0, float(np.linalg.norm(way)))
-        builder.Degenerated(shape, True)
+        BUILDER.UpdateEdge(shape, line, sheet.geometry, HERE, EDGE)
+        BUILDER.Add(shape, vertex.Oriented(TopAbs_FORWARD))
+        BUILDER.Add(shape, vertex.Oriented(TopAbs_REVERSED))
+        BUILDER.Range(shape, 0.0, float(np.linalg.norm(way)))
+        BUILDER.Degenerated(shape, True)
         return shape
 
     def solids(self) -> TopoDS_Compound:
@@ -230,15 +231,15 @@ class Net:
         if open_:
             x, y, z = (round(value / MM, 3) for value in open_[0])
             raise ValueError(f"faces leave a gap at ({x:g}, {y:g}, {z:g}) m; change a parameter a little")
-        builder, found = BRep_Builder(), []
+        found = []
         for group in _connected([used for _, used in self.faces]):
             shell, solid = TopoDS_Shell(), TopoDS_Solid()
-            builder.MakeShell(shell)
+            BUILDER.MakeShell(shell)
             for k in group:
-                builder.Add(shell, self.faces[k][0])
+                BUILDER.Add(shell, self.faces[k][0])
             shell.Closed(True)
-            builder.MakeSolid(solid)
-            builder.Add(solid, shell)
+            BUILDER.MakeSolid(solid)
+            BUILDER.Add(solid, shell)
             found.append(solid)
         return together(found)
 

@@ -211,13 +211,12 @@ class Faces:
                 for k in range(len(stops) - 1)
             ]
             for k, stop in enumerate(stops):
-                if edges[max(k - 1, 0) : k + 1] not in ([True, True], [False, False]) and any(
-                    edges[max(k - 1, 0) : k + 1]
-                ):
-                    x, y = self.ground.ways[way].at(stop)
-                    for a in (-SAME_PLACE, SAME_PLACE):
-                        for b in (-SAME_PLACE, SAME_PLACE):
-                            found[_rounded(x + a, y + b)].add(way)
+                if (k > 0 and edges[k - 1]) == (k < len(edges) and edges[k]):
+                    continue
+                x, y = self.ground.ways[way].at(stop)
+                (x0, y0), (x1, y1) = _rounded(x - SAME_PLACE, y - SAME_PLACE), _rounded(x + SAME_PLACE, y + SAME_PLACE)
+                for place in {(x0, y0), (x0, y1), (x1, y0), (x1, y1)}:
+                    found[place].add(way)
         return found
 
     def _span(self, piece: Piece) -> tuple[float, float]:

@@ -30,6 +30,8 @@ def regions(parameters: Map, steps: Loop, ends: list[tuple[int, int]]) -> list[l
         ValueError: the steps do not close.
     """
     loops = _loops(parameters, steps, ends)
+    if len(loops) == 1:
+        return [loops]
     outlines = [parameters(np.concatenate([_outline(step) for step in loop])) for loop in loops]
     areas = [area(outline) for outline in outlines]
     outer = [k for k, size in enumerate(areas) if size > 0]
