@@ -50,7 +50,8 @@ def _laid(upper: Void, lower: Void | None) -> tuple[Net, Faces]:
     ground = _ground(upper)
     top, bottom = Skin(ground), Skin(ground)
     _cut(ground, upper.cuts())
-    kept, floors = [], _Floors()
+    kept: list[tuple[Cell, bool]] = []
+    floors = _Floors()
     for cell, inside in _cells(ground, upper.plan):
         if pieces := upper.over(*cell.middle, inside=inside):
             floor = floors.under(pieces, upper.foot(inside=inside))
@@ -58,11 +59,12 @@ def _laid(upper: Void, lower: Void | None) -> tuple[Net, Faces]:
             if floor and top.roofs[top.regions[-1].roof] is floor[0][0]:
                 top.regions.pop()  # a sphere that ends above the corner of a plan
             else:
-                kept.append(cell)
-    ground.cells = kept
+                kept.append((cell, inside))
+    ground.cells = [cell for cell, _ in kept]
     if lower is not None:
         _cut(ground, lower.cuts())
-    for cell, inside in _cells(ground, upper.plan):
+        kept = list(_cells(ground, upper.plan))
+    for cell, inside in kept:
         above = [] if lower is None else lower.over(*cell.middle)
         bottom.lay(cell, [*above, *floors.under(above, upper.foot(inside=inside))])
     net = Net()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from math import atan2, ceil, cos, hypot, pi, sin, tan
 from typing import Any
 
@@ -52,8 +52,7 @@ class Path(ABC):
         return self._sampled(start, end, SAMPLES)
 
     def _sampled(self, start: float, end: float, count: int) -> tuple[Array, Array]:
-        """The denser towards the ends, where splines are the least accurate."""
-        t = start + (end - start) * (1 - np.cos(np.linspace(0, np.pi, count))) / 2
+        t = start + (end - start) * _shares(count)
         return t, self.points(t)
 
 
@@ -280,6 +279,13 @@ def arc_poles(bow: Bow) -> Array:
     angles = np.array([bow.start, (bow.start + bow.end) / 2, bow.end])
     reach = np.array([1.0, 1 / cos((bow.end - bow.start) / 2), 1.0])
     return np.stack([bow.u + bow.a * reach * np.cos(angles), bow.z + bow.b * reach * np.sin(angles)], axis=1)
+
+
+@cache
+def _shares(count: int) -> Array:
+    """Shares (`count`,) from 0 to 1, the denser towards the ends, where splines are the least accurate."""
+    found: Array = (1 - np.cos(np.linspace(0, np.pi, count))) / 2
+    return found
 
 
 def _spline(
