@@ -293,10 +293,10 @@ class _Outline:
     def _line(self, start: Vector, end: Vector, a: int, b: int) -> Line | None:
         """The curve in which two roofs meet between two places, None where it cannot be followed."""
         first, last = np.array(start), np.array(end)
-        outline, rows = self.cell.outline(EIGHTHS), (int(self.rows[a]), int(self.rows[b]))
+        parts, rows = self.cell.table, (int(self.rows[a]), int(self.rows[b]))
 
         def points(share: Array) -> Array:
-            found: Array = trace(first, last, (1 - np.cos(np.pi * share)) / 2, *outline, self.skin.table, *rows)
+            found: Array = trace(first, last, (1 - np.cos(np.pi * share)) / 2, parts, self.skin.table, *rows)
             return found
 
         there = points(LOOKED)

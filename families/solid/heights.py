@@ -21,6 +21,7 @@ WIDTH = 16
 FLAT, DRAWN, TURNED = range(3)
 ROUNDING = 1e-13  # of a cosine: a root turns it into a height
 HALVINGS = 80  # of an interval in which a root is sought
+CORNER = 1e-9  # [rad] beyond its ends, to which an arc reaches
 CLOSE = 1e-15  # [m], places nearer than that are one root
 STEP = 1e-6  # [m] beside a place, by which slopes are told
 DECIDED = 1e-9  # [m], heights nearer than that do not tell which roof shows
@@ -225,15 +226,31 @@ def _between(
 
 
 @inner
-def _reach(x: float, y: float, dx: float, dy: float, xs: Array, ys: Array) -> tuple[float, float]:
-    """How far an outline lies behind and ahead of a place along a unit vector; 0 where there is none."""
+def _reach(x: float, y: float, dx: float, dy: float, parts: Array) -> tuple[float, float]:
+    """How far the boundary of a loop lies behind and ahead of a place along a unit vector; 0 where there is none."""
     low, high = -inf, inf
-    ahead, aside = (xs[-1] - x) * dx + (ys[-1] - y) * dy, (ys[-1] - y) * dx - (xs[-1] - x) * dy
-    for k in range(len(xs)):
-        before, behind = aside, ahead
-        ahead, aside = (xs[k] - x) * dx + (ys[k] - y) * dy, (ys[k] - y) * dx - (xs[k] - x) * dy
-        if before != aside and min(before, aside) <= 0.0 <= max(before, aside):
-            s = behind + before / (before - aside) * (ahead - behind)
+    for k in range(len(parts)):
+        way, start, end = parts[k], parts[k, 9], parts[k, 10]
+        if way[6] == 0.0:
+            (ax, ay), (bx, by) = _on(way, start), _on(way, end)
+            before, after = (ay - y) * dx - (ax - x) * dy, (by - y) * dx - (bx - x) * dy
+            if before == after or min(before, after) > 0.0 or max(before, after) < 0.0:
+                continue
+            share = before / (before - after)
+            first = last = (ax + share * (bx - ax) - x) * dx + (ay + share * (by - ay) - y) * dy
+        else:
+            px, py = x - way[4], y - way[5]
+            middle = dx * px + dy * py
+            square = middle * middle - px * px - py * py + way[6] * way[6]
+            if square < 0.0:
+                continue
+            first, last = -middle - sqrt(square), -middle + sqrt(square)
+        for s in (first, last):
+            if way[6] != 0.0:
+                angle = np.arctan2(y + s * dy - way[5], x + s * dx - way[4]) - way[7] - (start + end) / 2 * way[8]
+                off = (angle + np.pi) % (2 * np.pi) - np.pi
+                if abs(off) > abs((end - start) / 2 * way[8]) + CORNER:
+                    continue
             if s <= 0.0:
                 low = max(low, s)
             if s >= 0.0:
@@ -242,11 +259,11 @@ def _reach(x: float, y: float, dx: float, dy: float, xs: Array, ys: Array) -> tu
 
 
 @compiled
-def trace(start: Array, end: Array, share: Array, xs: Array, ys: Array, roofs: Array, a: int, b: int) -> Array:
+def trace(start: Array, end: Array, share: Array, parts: Array, roofs: Array, a: int, b: int) -> Array:
     """Points (n, 3) at which roofs a and b are as high, beside the chord from start to end.
 
-    At each share of the chord the place is sought square to it, within the outline (xs, ys) of a cell; NaN where
-    neither end has another roof higher than the other end has.
+    At each share of the chord the place is sought square to it, within the loop of a cell; NaN where neither end has
+    another roof higher than the other end has.
     """
     out = np.empty((len(share), 3))
     x, y = end[0] - start[0], end[1] - start[1]
@@ -255,7 +272,7 @@ def trace(start: Array, end: Array, share: Array, xs: Array, ys: Array, roofs: A
     for i in range(len(share)):
         px, py = start[0] + share[i] * size * x, start[1] + share[i] * size * y
         if 0.0 < share[i] < 1.0:
-            low, high = _reach(px, py, -y, x, xs, ys)
+            low, high = _reach(px, py, -y, x, parts)
             s = _between((px, py), (-y, x), low, high, roofs, a, b)
             px, py = px - y * s, py + x * s
         elif share[i] == 1.0:
