@@ -148,7 +148,10 @@ class DrawnRoof(Roof):
         if way.centre is not None:
             return None
         (u0, l0), (u1, l1) = part.local(*way.at(start)), part.local(*way.at(end))
-        u0, u1 = (self.sign * u / (1 + part.splay * along) for u, along in ((u0, l0), (u1, l1)))
+        near, far = 1 + part.splay * l0, 1 + part.splay * l1
+        if min(near, far) < STRAIGHT:  # to the apex of a cone
+            return _line(*ends)
+        u0, u1 = self.sign * u0 / near, self.sign * u1 / far
         if abs(u1 - u0) < STRAIGHT:
             return _line(*ends) if not part.crown_rise else _parabola(part, ends, l0, l1)
         angles = [self._angle(u) for u in (u0, u1)]

@@ -9,6 +9,7 @@ import pytest
 
 from families import (
     BasketHandle,
+    Cloister,
     Dome,
     Elliptical,
     Groin,
@@ -146,6 +147,18 @@ def test_faces_share_edges_and_cells_are_joined_without_sewing():
     TopExp.MapShapesAndAncestors_s(shape, TopAbs_EDGE, TopAbs_FACE, shared)
     assert {shared.FindFromIndex(k).Size() for k in range(1, shared.Extent() + 1)} == {2}
     assert all(face.Location().IsIdentity() for face in faces(shape))
+
+
+def test_a_ridge_that_ends_where_an_arc_does_is_one_edge():
+    from OCP.TopAbs import TopAbs_EDGE
+    from OCP.TopExp import TopExp
+    from OCP.TopTools import TopTools_IndexedMapOfShape
+
+    vault = Cloister(8, 3.0, Semicircular(), diagonal_ratio=1.06, crossing=1)
+    for face, name in brep.face_names(brep.surface(vault), vault):
+        edges = TopTools_IndexedMapOfShape()
+        TopExp.MapShapes_s(face, TopAbs_EDGE, edges)
+        assert edges.Extent() <= 5, name
 
 
 def test_a_body_is_the_same_to_the_last_digit_whatever_was_built_before(tmp_path):
