@@ -26,7 +26,6 @@ Point = tuple[float, float, float]
 SAMPLES = 25  # of a curve that is interpolated
 ARC_STEP = 0.06  # [rad] between the samples of a circle
 STRAIGHT = 1e-9  # of the parameters of a surface, to which a curve on it is a straight line
-AXES = np.eye(3)
 TINY = 1e-300
 LEAST = -pi / 2 - 0.1  # of the angles of conics: no upright quarter is cut there
 
