@@ -34,6 +34,15 @@ class Body:
         curve = _curve(self.part)
         return half_outline(curve, 0.0, curve.half_span, -np.inf)
 
+    @cached_property
+    def _reaches(self) -> list[float]:
+        """How far from the axis each of them ends."""
+        return [bow.at(bow.end)[0] for bow in self.bows]
+
+    @cached_property
+    def _half_span(self) -> float:
+        return _curve(self.part).half_span
+
     def cuts(self) -> Iterator[Cut]:
         """Lines and circles at which its roofs end."""
         part = self.part
@@ -110,7 +119,7 @@ class Body:
             if part.side and sign != part.side:
                 return NOTHING
             u = abs(u) / wide if wide > 0 else np.inf
-            if u > part.curve.half_span:
+            if u > self._half_span:
                 return None
             half = 0 if part.names[0] == part.names[1] else (1 if along > 0 else -1)
             k = self._bow(u)
@@ -118,7 +127,7 @@ class Body:
         dx, dy = x - part.centre[0], y - part.centre[1]
         radius = part.radius if isinstance(part, Turned) else 0.0
         reach = hypot(dx, dy) - radius
-        if abs(reach) > _curve(part).half_span:
+        if abs(reach) > self._half_span:
             return None
         whole = isinstance(part, Ball) and len(part.names) == 1
         quarter = WHOLE if whole else atan2(dy, dx) // (pi / 2) % 4
@@ -137,7 +146,7 @@ class Body:
         return self.made[key]
 
     def _bow(self, u: float) -> int:
-        return next((k for k, bow in enumerate(self.bows) if u >= bow.at(bow.end)[0]), len(self.bows) - 1)
+        return next((k for k, reach in enumerate(self._reaches) if u >= reach), len(self.bows) - 1)
 
 
 def _curve(part: Part) -> Curve:
@@ -166,11 +175,10 @@ def level_cuts(piece: Piece) -> Iterator[Cut]:
 
 @dataclass(frozen=True, eq=False)
 class Void:
-    """Pieces within their plan, as bodies of roofs; `endless` where they go on beyond it."""
+    """Pieces within their plan, as bodies of roofs."""
 
     pieces: tuple[Piece, ...]
     plan: Plan
-    endless: bool = False
 
     @cached_property
     def bodies(self) -> list[list[Body | WebBody]]:
@@ -203,25 +211,23 @@ class Void:
         """The height [m] from which on one of its pieces is free of the plan."""
         return min((piece.foot for piece in self.pieces if piece.foot is not None), default=None)
 
-    def over(self, x: float, y: float) -> list[list[Roof]]:
-        """The roofs of each piece over a place, of pieces that are there."""
+    def over(self, x: float, y: float, *, inside: bool = True) -> list[list[Roof]]:
+        """The roofs of each piece over a place, of pieces that are there; not `inside` the plan few are."""
         found = []
         for piece, bodies in zip(self.pieces, self.bodies, strict=True):
-            if not self.endless and piece.foot is None and not self._within(x, y):
+            if not inside and piece.foot is None:
                 continue
-            roofs = [body.roof(x, y) for body in bodies]
-            if any(roof is None for roof in roofs):
-                continue
-            here = [roof for roof in roofs if roof is not NOTHING and roof is not None]
-            if here:
-                found.append(here)
+            here: list[Roof] = []
+            for body in bodies:
+                if (roof := body.roof(x, y)) is None:
+                    break
+                if roof is not NOTHING:
+                    here.append(roof)
+            else:
+                if here:
+                    found.append(here)
         return found
 
-    def foot(self, x: float, y: float) -> float:
-        """The height [m] from which the body stands over a place."""
-        if self.endless or self._within(x, y):
-            return FLOOR
-        return min(piece.foot for piece in self.pieces if piece.foot is not None)
-
-    def _within(self, x: float, y: float) -> bool:
-        return bool(self.plan.holds(np.array([[x, y]]))[0])
+    def foot(self, *, inside: bool) -> float:
+        """The height [m] from which the body stands, inside the plan or not."""
+        return FLOOR if inside else min(piece.foot for piece in self.pieces if piece.foot is not None)

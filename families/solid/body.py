@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from math import hypot
 
 import numpy as np
@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 from OCP.TopoDS import TopoDS_Shape
 
 from families.declaration.pieces import BarrelPart, Turned
+from families.declaration.plan import Plan
 from families.solid.bodies import Void
 from families.solid.envelope import Skin
 from families.solid.face_net import Net
 from families.solid.faces import Faces
 from families.solid.occ.shapes import is_sound, together
-from families.solid.plan_cells import SAME_PLACE, Cut, Ground
+from families.solid.plan_cells import SAME_PLACE, Cell, Cut, Ground
 from families.solid.roofs import Plane, Roof
 
 Array = NDArray[np.float64]
@@ -24,6 +25,8 @@ AROUND = 1.1  # of its reach, the square in which a plan with round sides is lai
 
 def body(upper: Void, lower: Void | None) -> TopoDS_Shape:
     """The solid under the surface of `upper`, and above that of `lower` or, without one, the ground.
+
+    `lower` goes on beyond its plan.
 
     Raises:
         ValueError: its faces do not close, or OpenCASCADE finds a fault in it.
@@ -48,25 +51,30 @@ def _laid(upper: Void, lower: Void | None) -> tuple[Net, Faces]:
     ground = _ground(upper)
     top, bottom = Skin(ground), Skin(ground)
     _cut(ground, upper.cuts())
-    kept, floors = [], _Floors()
-    for cell in ground.cells:
-        place = cell.middle
-        if pieces := upper.over(*place):
-            floor = floors.under(pieces, upper.foot(*place))
+    kept: list[tuple[Cell, bool]] = []
+    floors = _Floors()
+    for cell, inside in _cells(ground, upper.plan):
+        if pieces := upper.over(*cell.middle, inside=inside):
+            floor = floors.under(pieces, upper.foot(inside=inside))
             top.lay(cell, [*pieces, *floor])
             if floor and top.roofs[top.regions[-1].roof] is floor[0][0]:
                 top.regions.pop()  # a sphere that ends above the corner of a plan
             else:
-                kept.append(cell)
-    ground.cells = kept
+                kept.append((cell, inside))
+    ground.cells = [cell for cell, _ in kept]
     if lower is not None:
         _cut(ground, lower.cuts())
-    for cell in ground.cells:
-        place = cell.middle
-        above = [] if lower is None else lower.over(*place)
-        bottom.lay(cell, [*above, *floors.under(above, upper.foot(*place))])
-    net, beyond = Net(), None if lower is not None else Void(upper.pieces, upper.plan, endless=True)
-    return net, Faces(net, ground, top, bottom, beyond)
+        kept = list(_cells(ground, upper.plan))
+    for cell, inside in kept:
+        above = [] if lower is None else lower.over(*cell.middle)
+        bottom.lay(cell, [*above, *floors.under(above, upper.foot(inside=inside))])
+    net = Net()
+    return net, Faces(net, ground, top, bottom, None if lower is not None else upper)
+
+
+def _cells(ground: Ground, plan: Plan) -> Iterator[tuple[Cell, bool]]:
+    """The cells, and whether they lie within a plan."""
+    return zip(ground.cells, plan.holds(np.array([cell.middle for cell in ground.cells])).tolist(), strict=True)
 
 
 class _Floors:
@@ -100,6 +108,8 @@ def _ground(upper: Void) -> Ground:
             (x, y) = side.centre
             cuts += [Cut((1.0, 0.0), x), Cut((0.0, 1.0), y), Cut(side.centre, radius=side.radius)]
     _cut(ground, cuts)
+    if not free:
+        ground.cells = [cell for cell, inside in _cells(ground, plan) if inside]
     return ground
 
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from families.solid.curves import Path
+from families.solid.curves import Path, Point
 
 Array = NDArray[np.float64]
 
@@ -29,9 +29,9 @@ class Step:
         return back
 
     @cached_property
-    def places(self) -> Array:
-        """Start, middle and end (3, 3) [mm]."""
-        return self.points(0.0, 0.5, 1.0)
+    def places(self) -> tuple[Point, Point, Point]:
+        """Start, middle and end [mm]."""
+        return self.path.at(self.start), self.path.at((self.start + self.end) / 2), self.path.at(self.end)
 
     def points(self, *shares: float) -> Array:
         """Points (n, 3) [mm] at shares of the way."""

@@ -47,7 +47,7 @@ def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
     pieces = vault.pieces()
     grown = Void(tuple(piece.grown(thickness) for piece in pieces), vault.plan.grown(thickness))
     # What is taken away is not bounded by the plan: the mouths of lunettes stay open.
-    return body(grown, Void(pieces, vault.plan, endless=True))
+    return body(grown, Void(pieces, vault.plan))
 
 
 def room(vault: Vault) -> build123d.Part:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass, field
-from functools import cached_property
-from math import atan2, ceil, cos, hypot, pi, tan
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, cached_property
+from math import atan2, ceil, cos, hypot, pi, sin, tan
 from typing import Any
 
 import numpy as np
@@ -16,18 +16,16 @@ from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Curve, Geom2d_Line
 from OCP.gp import gp_Ax2, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array1OfPnt2d
 from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
-from scipy.interpolate import BSpline, make_interp_spline
 
 from families.declaration.units import MM
+from families.solid.splines import DEGREE, evaluated, interpolated
 from families.void.profile_outline import Bow
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]
-DEGREE, SAMPLES = 5, 49  # of a curve that is interpolated
-ARC_STEP = 0.03  # [rad] between the samples of a circle
+SAMPLES = 25  # of a curve that is interpolated
+ARC_STEP = 0.06  # [rad] between the samples of a circle
 STRAIGHT = 1e-9  # of the parameters of a surface, to which a curve on it is a straight line
-PROBES = np.array([0.1, 0.35, 0.6, 0.9])
-AXES = np.eye(3)
 TINY = 1e-300
 LEAST = -pi / 2 - 0.1  # of the angles of conics: no upright quarter is cut there
 
@@ -44,9 +42,17 @@ class Path(ABC):
     def points(self, t: Array) -> Array:
         """Points (n, 3) at parameters (n,)."""
 
-    def nodes(self, start: float, end: float) -> Array:
-        """Parameters at which a curve on a surface is to agree with this one."""
-        return np.linspace(start, end, SAMPLES)
+    def at(self, t: float) -> Point:
+        """The point at one parameter."""
+        return point(self.points(np.array([t]))[0])
+
+    def samples(self, start: float, end: float) -> tuple[Array, Array]:
+        """Parameters (n,) and points (n, 3) at which a curve on a surface is to agree with this one."""
+        return self._sampled(start, end, SAMPLES)
+
+    def _sampled(self, start: float, end: float, count: int) -> tuple[Array, Array]:
+        t = start + (end - start) * _shares(count)
+        return t, self.points(t)
 
 
 class Simple(Path):
@@ -77,6 +83,11 @@ class Straight(Simple):
         """Points at parameters."""
         found: Array = np.outer(t, self.direction) + self.origin
         return found
+
+    def at(self, t: float) -> Point:
+        """The point at one parameter."""
+        (a, b, c), (x, y, z) = self.direction, self.origin
+        return x + t * a, y + t * b, z + t * c
 
     def parameters(self, points: Array) -> Array:
         """The way along."""
@@ -125,8 +136,15 @@ class Conic(Simple):
 
     def points(self, t: Array) -> Array:
         """Points at eccentric angles."""
-        found: Array = np.stack([np.cos(t), np.sin(t)], axis=1) @ self._axes + self.centre
+        across, up = self._axes
+        found: Array = np.cos(t)[:, None] * across + np.sin(t)[:, None] * up + self.centre
         return found
+
+    def at(self, t: float) -> Point:
+        """The point at one eccentric angle."""
+        (x, y, z), (a, b, c), (d, e, f) = self.centre, self.x, self.y
+        across, up = self.a * cos(t), self.b * sin(t)
+        return x + across * a + up * d, y + across * b + up * e, z + across * c + up * f
 
     def parameters(self, points: Array) -> Array:
         """Eccentric angles from `LEAST` up."""
@@ -141,9 +159,9 @@ class Conic(Simple):
         angle = atan2(up / self.b, across / self.a)
         return angle + 2 * pi if angle < LEAST else angle
 
-    def nodes(self, start: float, end: float) -> Array:
+    def samples(self, start: float, end: float) -> tuple[Array, Array]:
         """As many as the angle asks for."""
-        return np.linspace(start, end, max(SAMPLES, ceil(abs(end - start) / ARC_STEP)))
+        return self._sampled(start, end, max(SAMPLES, ceil(abs(end - start) / ARC_STEP)))
 
     @staticmethod
     def of(bow: Bow, place: Array, across: Array, up: Array) -> tuple[Conic, float, float]:
@@ -191,74 +209,58 @@ class Bezier(Simple):
 
 @dataclass(frozen=True)
 class Spline(Path):
-    """Interpolating spline of degree 5 and the parameters (n,) of the points through which it was laid.
+    """Interpolating spline: its knots (n + 6,) and poles (n, 3), laid through points (n, 3) at parameters (n,)."""
 
-    `traces` keeps what copies that were moved have in common: coefficients of their angle about an axis of theirs.
-    """
-
-    spline: BSpline
-    at: Array
-    traces: dict[Hashable, Array] = field(default_factory=dict, compare=False)
+    knots: Array
+    poles: Array
+    nodes: Array
+    laid: Array
 
     @staticmethod
     def through(points: Array) -> Spline:
         """Through points (n, 3), by the lengths of its chords."""
-        chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        at = np.concatenate([[0.0], np.cumsum(chords)])
-        return Spline(make_interp_spline(at, points, DEGREE), at)
-
-    def moved(self, matrix: Array, place: Array) -> Spline:
-        """The curve of P @ matrix + place for each of its points P (3,), with the same parameter."""
-        t, c, k = self.spline.tck
-        return Spline(BSpline(t, c @ matrix + place, k), self.at, self.traces)
-
-    def trace(self, key: Hashable, angle: Callable[[Array], Array], along: Array) -> Geom2d_Curve:
-        """The curve as an angle, of points (n, 3), and a distance along a vector (3,), exact as its points are.
-
-        Copies that were moved share the angle under a key.
-        """
-        if key not in self.traces:
-            self.traces[key] = make_interp_spline(self.at, angle(self.points(self.at)), DEGREE).c
-        t, c, k = self.spline.tck
-        spline = BSpline(t, np.stack([self.traces[key], c @ along], axis=1), k)
-        return Geom2d_BSplineCurve(*_spline(spline, TColgp_Array1OfPnt2d, gp_Pnt2d))
+        steps = np.diff(points, axis=0)
+        nodes = np.append(0.0, np.cumsum(np.sqrt((steps * steps).sum(axis=1))))
+        knots, poles = interpolated(nodes, points)
+        return Spline(knots, poles, nodes, points)
 
     @property
     def end(self) -> float:
         """Last parameter; the first is 0."""
-        return float(self.at[-1])
+        return float(self.nodes[-1])
 
     @cached_property
     def geometry(self) -> Geom_Curve:
         """B-spline curve."""
-        return Geom_BSplineCurve(*_spline(self.spline, TColgp_Array1OfPnt, gp_Pnt))
+        return Geom_BSplineCurve(*_spline(self.knots, self.poles, DEGREE, TColgp_Array1OfPnt, gp_Pnt))
 
     def points(self, t: Array) -> Array:
         """Points at parameters."""
-        return self.spline(t)
+        found: Array = evaluated(self.knots, self.poles, t)
+        return found
 
-    def nodes(self, start: float, end: float) -> Array:
-        """Those of the points through which it was laid."""
-        return self.at
+    def samples(self, start: float, end: float) -> tuple[Array, Array]:
+        """The points through which it was laid."""
+        return self.nodes, self.laid
 
 
 def drawn(path: Path, start: float, end: float, parameters: Callable[[Array], Array]) -> Geom2d_Curve:
     """A path in the parameters of a surface, given by those (n, 2) of points (n, 3): a straight line if it is one."""
-    # Not at the ends, which may be poles, where one of the parameters means nothing.
-    t = start + PROBES * (end - start)
-    uv = parameters(path.points(t))
-    rate = (uv[-1] - uv[0]) / (t[-1] - t[0])
-    if np.abs(uv[0] + np.outer(t - t[0], rate) - uv).max() > STRAIGHT * max(1.0, np.abs(uv).max()):
-        t = path.nodes(start, end)
-        return Geom2d_BSplineCurve(
-            *_spline(make_interp_spline(t, parameters(path.points(t)), DEGREE), TColgp_Array1OfPnt2d, gp_Pnt2d)
-        )
-    origin, speed = uv[0] - t[0] * rate, hypot(*rate)
+    t, points = path.samples(start, end)
+    uv = parameters(points)
+    # Not by the ends, which may be poles, where one of the parameters means nothing.
+    inner = slice(1, -1)
+    first, last = uv[inner][[0, -1]]
+    rate = (last - first) / (t[-2] - t[1])
+    if np.abs(first + np.outer(t - t[1], rate) - uv)[inner].max() > STRAIGHT * max(1.0, np.abs(uv).max()):
+        knots, poles = interpolated(t, uv)
+        return Geom2d_BSplineCurve(*_spline(knots, poles, DEGREE, TColgp_Array1OfPnt2d, gp_Pnt2d))
+    origin, speed = first - t[1] * rate, hypot(*rate)
     if abs(speed - 1) < STRAIGHT:
         return Geom2d_Line(gp_Pnt2d(*origin.tolist()), gp_Dir2d(*rate.tolist()))
     ends = np.array([start, start, end, end])
-    line = BSpline(ends, origin + np.outer(ends[[0, -1]], rate), 1)
-    return Geom2d_BSplineCurve(*_spline(line, TColgp_Array1OfPnt2d, gp_Pnt2d))
+    poles = origin + np.outer(ends[[0, -1]], rate)
+    return Geom2d_BSplineCurve(*_spline(ends, poles, 1, TColgp_Array1OfPnt2d, gp_Pnt2d))
 
 
 def arc_weight(angle: float) -> float:
@@ -278,16 +280,28 @@ def arc_poles(bow: Bow) -> Array:
     return np.stack([bow.u + bow.a * reach * np.cos(angles), bow.z + bow.b * reach * np.sin(angles)], axis=1)
 
 
-def _spline(spline: BSpline, array: Any, made: Any) -> tuple[Any, TColStd_Array1OfReal, TColStd_Array1OfInteger, int]:
-    values, times = np.unique(spline.t, return_counts=True)
-    poles, knots = array(1, len(spline.c)), TColStd_Array1OfReal(1, len(values))
-    counts = TColStd_Array1OfInteger(1, len(values))
-    for k, pole in enumerate(np.asarray(spline.c).tolist(), 1):
-        poles.SetValue(k, made(*pole))
-    for k, (value, count) in enumerate(zip(values.tolist(), times.tolist(), strict=True), 1):
-        knots.SetValue(k, value)
-        counts.SetValue(k, count)
-    return poles, knots, counts, spline.k
+@cache
+def _shares(count: int) -> Array:
+    """Shares (`count`,) from 0 to 1, the denser towards the ends, where splines are the least accurate."""
+    found: Array = (1 - np.cos(np.linspace(0, np.pi, count))) / 2
+    return found
+
+
+def _spline(
+    knots: Array, poles: Array, degree: int, array: Any, made: Any
+) -> tuple[Any, TColStd_Array1OfReal, TColStd_Array1OfInteger, int]:
+    """A spline that ends at its first and last pole, as OpenCASCADE takes it."""
+    places = array(1, len(poles))
+    for k, pole in enumerate(poles.tolist(), 1):
+        places.SetValue(k, made(*pole))
+    once = knots[degree : len(poles) + 1].tolist()
+    values, counts = TColStd_Array1OfReal(1, len(once)), TColStd_Array1OfInteger(1, len(once))
+    for k, value in enumerate(once, 1):
+        values.SetValue(k, value)
+    counts.Init(1)
+    for end in (1, len(once)):
+        counts.SetValue(end, degree + 1)
+    return places, values, counts, degree
 
 
 def point(vector: Array) -> Point:

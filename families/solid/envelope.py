@@ -15,14 +15,15 @@ from numpy.typing import NDArray
 from families.declaration.plan import Vector
 from families.declaration.units import MM
 from families.solid.curves import Spline
-from families.solid.heights import WIDTH, change, heights, shown, trace
+from families.solid.heights import WIDTH, change, height_at, heights, shown, shown_at, stray, trace
 from families.solid.plan_cells import EIGHTHS, SAME_PLACE, Cell, Cut, Ground, Part
 from families.solid.roofs import Roof
+from families.solid.splines import spread
 
 Array = NDArray[np.float64]
 SAME_HEIGHT = 1e-7  # [m], heights nearer than that are one
-DENSE = 257  # places at which a curve is looked at before it is laid
-NODES = 49, 97, 193, 385  # places through which it is laid, so many that it is near enough
+LOOKED = np.linspace(0, 1, 257)  # where a curve is looked at before it is laid
+NODES = 25, 49, 97, 193, 385  # places through which it is laid, so many that it is near enough
 NEAR_ENOUGH = 2e-8  # [m] that it may be off the surfaces between these
 INWARDS = 1e-3  # [m] beside an edge on which two roofs are as high all along, where it is looked which shows
 HALVED = 14  # times that a cell may be halved
@@ -85,7 +86,11 @@ class Skin:
             self._table = np.array([roof.row for roof in self.roofs])
         return self._table
 
-    def height(self, roof: int, x: Array, y: Array) -> Array:
+    def height(self, roof: int, x: float, y: float) -> float:
+        """Height of a roof over a place."""
+        return float(height_at(x, y, self.table, roof))
+
+    def heights(self, roof: int, x: Array, y: Array) -> Array:
         """Heights (n,) of a roof over places."""
         found: Array = heights(x, y, self.table, roof)
         return found
@@ -187,12 +192,14 @@ class _Outline:
         """Changes about the vertex between two parts."""
         loop, first, last = self.cell.loop, int(label[i]), int(label[j])
         k, following = int(parts[i]), int(parts[j])
-        x, y = (np.array([value]) for value in self.skin.ground.place(loop[following]))
-        a, b = (float(self.skin.height(int(self.rows[n]), x, y)[0]) for n in (first, last))
-        if abs(a - b) < SAME_HEIGHT or (k + 1) % len(loop) != following:
-            yield _Change(following, loop[following].start, self.skin.ground.place(loop[following]), first, last)
+        place = self.cell.corners[following]
+        if (
+            abs(self._height(first, place) - self._height(last, place)) < SAME_HEIGHT
+            or (k + 1) % len(loop) != following
+        ):
+            yield _Change(following, loop[following].start, place, first, last)
             return
-        here = int(shown(x, y, self.skin.table, self.rows, self.owners)[0][0])
+        here = shown_at(*place, self.skin.table, self.rows, self.owners)
         if here != first:
             yield from self._between(k, float(at[i]), loop[k].end, first, here)
         if here != last:
@@ -214,8 +221,7 @@ class _Outline:
         return _Change(part, t, place, before, after)
 
     def _height(self, label: int, place: Vector) -> float:
-        x, y = (np.array([value]) for value in place)
-        return float(self.skin.height(int(self.rows[label]), x, y)[0])
+        return self.skin.height(int(self.rows[label]), *place)
 
     def regions(self, changes: list[_Change]) -> list[Region] | None:
         """The regions of the cell, None where it must be halved first."""
@@ -287,58 +293,24 @@ class _Outline:
     def _line(self, start: Vector, end: Vector, a: int, b: int) -> Line | None:
         """The curve in which two roofs meet between two places, None where it cannot be followed."""
         first, last = np.array(start), np.array(end)
-        rows = int(self.rows[a]), int(self.rows[b])
+        parts, rows = self.cell.table, (int(self.rows[a]), int(self.rows[b]))
 
-        def points(share: Array) -> Array | None:
-            low, high = self._square(first, last, share)
-            plan = trace(first, last, share, low, high, self.skin.table, *rows)
-            if np.isnan(plan).any():
-                return None
-            x, y = np.ascontiguousarray(np.vstack([first, plan, last]).T)
-            z = [self.skin.height(row, x, y) for row in rows]
-            return np.stack([x, y, (z[0] + z[1]) / 2], axis=1)
+        def points(share: Array) -> Array:
+            found: Array = trace(first, last, (1 - np.cos(np.pi * share)) / 2, parts, self.skin.table, *rows)
+            return found
 
-        dense = np.linspace(0, 1, DENSE)
-        there = points((1 - np.cos(np.pi * dense[1:-1])) / 2)
-        if there is None:
+        there = points(LOOKED)
+        if np.isnan(there).any():
             return None
         for count in NODES:
-            laid = points((1 - np.cos(np.pi * nodes(there, dense, count)[1:-1])) / 2)
-            if laid is None:
+            laid = points(spread(there, LOOKED, count))
+            if np.isnan(laid).any():
                 return None
             spline = Spline.through(MM * laid)
-            if self._miss(spline, rows[0]) < NEAR_ENOUGH:
+            between = spline.points((spline.nodes[1:] + spline.nodes[:-1]) / 2) / MM
+            if stray(between, self.skin.table, rows[0]) < NEAR_ENOUGH:
                 break
         return Line(start, end, spline)
-
-    def _miss(self, spline: Spline, row: int) -> float:
-        """How far a curve strays from a roof between the places through which it was laid [m]."""
-        x, y, z = spline.points((spline.at[1:] + spline.at[:-1]) / 2).T / MM
-        step = 1e-6
-        slopes = [
-            (self.skin.height(row, x + step * a, y + step * b) - self.skin.height(row, x - step * a, y - step * b))
-            / (2 * step)
-            for a, b in ((1, 0), (0, 1))
-        ]
-        off = (self.skin.height(row, x, y) - z) / np.sqrt(1 + slopes[0] ** 2 + slopes[1] ** 2)
-        return float(np.abs(off).max())
-
-    def _square(self, start: Array, end: Array, share: Array) -> tuple[Array, Array]:
-        """How far the cell reaches to the right and to the left of places on a chord, square to it (n,)."""
-        x, y = self.cell.outline(EIGHTHS)
-        way = (end - start) / np.hypot(*(end - start))
-        along = (x - start[0]) * way[0] + (y - start[1]) * way[1]
-        aside = (y - start[1]) * way[0] - (x - start[0]) * way[1]
-        along1, aside1 = np.roll(along, -1), np.roll(aside, -1)
-        place = share * np.hypot(*(end - start))
-        rise = along1 - along
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t = (place[:, None] - along) / rise
-        meets = (t >= 0) & (t <= 1) & (np.abs(rise) > 0)
-        s = aside + np.where(meets, t, 0.0) * (aside1 - aside)
-        low = np.where(meets & (s <= 0), s, -np.inf).max(axis=1)
-        high = np.where(meets & (s >= 0), s, np.inf).min(axis=1)
-        return np.where(np.isfinite(low), low, 0.0), np.where(np.isfinite(high), high, 0.0)
 
     def _meeting(self, labels: list[int], place: Array) -> Vector | None:
         """Where three roofs are as high, by Newton's method from a place."""
@@ -369,20 +341,3 @@ class _Outline:
 
 def _ahead(part: Part, start: float, end: float) -> bool:
     return (end - start) * (part.end - part.start) > 0
-
-
-def nodes(points: Array, dense: Array, count: int = NODES[0]) -> Array:
-    """Shares (`count`,) at even lengths and turns of a curve through points (n, 3) at shares (n,).
-
-    Roofs nearly as high turn their line sharply by the crown. Denser towards the ends, where splines are the least
-    accurate.
-    """
-    steps = np.diff(points, axis=0)
-    lengths = np.linalg.norm(steps, axis=1)
-    ways = steps / np.maximum(lengths, 1e-300)[:, None]
-    turns = np.linalg.norm(np.diff(ways, axis=0), axis=1)
-    effort = np.cumsum(lengths / lengths.sum() + (np.append(turns, 0.0) + np.append(0.0, turns)) / 2)
-    even = np.linspace(0, 1, count)
-    share = np.interp((even + (1 - np.cos(np.pi * even)) / 2) / 2 * effort[-1], np.append(0.0, effort), dense)
-    share[[0, -1]] = 0.0, 1.0
-    return share  # type: ignore[no-any-return]  # numpy's stubs

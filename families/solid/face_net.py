@@ -27,7 +27,7 @@ from OCP.TopoDS import (
 
 from families.declaration.units import MM
 from families.solid.boundary import Loop, Pole, Step
-from families.solid.curves import Simple
+from families.solid.curves import Point, Simple
 from families.solid.occ.shapes import together
 from families.solid.surfaces import Flat, Sheet
 
@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 ONE = 1e-3  # [mm], points nearer than that are one
 EDGE, VERTEX = ONE, 2 * ONE  # [mm], tolerances of edges and of vertices, which may stand for others that near
 HERE = TopLoc_Location()
+BUILDER = BRep_Builder()
 
 
 @dataclass
@@ -44,7 +45,7 @@ class Edge:
     shape: TopoDS_Edge
     step: Step
     ends: tuple[int, int]
-    middle: tuple[float, ...]
+    middle: Point
     uses: int = 0
 
 
@@ -64,28 +65,26 @@ class Net:
     vertices: list[TopoDS_Vertex] = field(default_factory=list)
     edges: list[Edge] = field(default_factory=list)
     faces: list[tuple[TopoDS_Face, list[int]]] = field(default_factory=list)  # with the edges of each
-    _coordinates: list[tuple[float, float, float]] = field(default_factory=list)
-    _known: dict[tuple[float, float, float], int] = field(default_factory=dict)  # vertices by the points asked for
+    _coordinates: list[Point] = field(default_factory=list)
+    _known: dict[Point, int] = field(default_factory=dict)  # vertices by the points asked for
     _near: dict[tuple[int, ...], list[int]] = field(default_factory=dict)  # vertices by the cubes of 1 mm around them
     _places: Array = field(default_factory=lambda: np.empty((0, 3)))
     _between: dict[tuple[int, int], list[int]] = field(default_factory=dict)
 
-    def vertex(self, point: Array) -> int:
-        """The vertex at a point (3,), old or new."""
-        x, y, z = point.tolist()
-        if (x, y, z) not in self._known:
-            self._known[x, y, z] = self._vertex(x, y, z)
-        return self._known[x, y, z]
+    def vertex(self, point: Point) -> int:
+        """The vertex at a point, old or new."""
+        if (found := self._known.get(point)) is None:
+            found = self._known[point] = self._vertex(*point)
+        return found
 
     def _vertex(self, x: float, y: float, z: float) -> int:
         low, high = (floor(x - ONE), floor(y - ONE), floor(z - ONE)), (floor(x + ONE), floor(y + ONE), floor(z + ONE))
         for key in (low,) if low == high else product(*map(set, zip(low, high, strict=True))):
             for k in self._near.get(key, ()):
-                there = self._coordinates[k]
-                if abs(there[0] - x) < ONE and abs(there[1] - y) < ONE and abs(there[2] - z) < ONE:
+                if near(self._coordinates[k], (x, y, z)):
                     return k
         shape = TopoDS_Vertex()
-        BRep_Builder().MakeVertex(shape, gp_Pnt(x, y, z), VERTEX)
+        BUILDER.MakeVertex(shape, gp_Pnt(x, y, z), VERTEX)
         self.vertices.append(shape)
         self._coordinates.append((x, y, z))
         self._near.setdefault((floor(x), floor(y), floor(z)), []).append(len(self.vertices) - 1)
@@ -106,7 +105,7 @@ class Net:
         for step in steps:
             self.vertex(step.places[0])
             self.vertex(step.places[2])
-        first, middle, last = np.stack([step.places for step in steps], axis=1)
+        first, middle, last = np.array([step.places for step in steps]).swapaxes(0, 1)
         # An arc leaves the box of these three by less than its sagitta.
         slack = np.abs(2 * middle - first - last).max(axis=1, keepdims=True) + ONE
         low, high = np.minimum(first, last) - slack, np.maximum(first, last) + slack
@@ -140,13 +139,9 @@ class Net:
         at = [step.start, *cuts, step.end]
         return [Step(step.path, a, b) for a, b in pairwise(at)]
 
-    def _found(self, ends: tuple[int, int], middle: Array) -> int | None:
-        x, y, z = middle.tolist()
-        for k in self._between.get((min(ends), max(ends)), ()):
-            there = self.edges[k].middle
-            if abs(there[0] - x) < ONE and abs(there[1] - y) < ONE and abs(there[2] - z) < ONE:
-                return k
-        return None
+    def _found(self, ends: tuple[int, int], middle: Point) -> int | None:
+        between = self._between.get((min(ends), max(ends)), ())
+        return next((k for k in between if near(self.edges[k].middle, middle)), None)
 
     def ends(self, step: Step) -> tuple[int, int]:
         """The vertices of a step."""
@@ -166,19 +161,19 @@ class Net:
     def _edge(self, step: Step, ends: tuple[int, int]) -> tuple[int, bool]:
         forward = step if step.end > step.start else step.reversed
         along = ends if step.end > step.start else ends[::-1]
-        shape, builder = TopoDS_Edge(), BRep_Builder()
-        builder.MakeEdge(shape, step.path.geometry, EDGE)
-        builder.Add(shape, self.vertices[along[0]].Oriented(TopAbs_FORWARD))
-        builder.Add(shape, self.vertices[along[1]].Oriented(TopAbs_REVERSED))
-        builder.Range(shape, forward.start, forward.end)
-        self.edges.append(Edge(shape, forward, along, tuple(step.places[1].tolist())))
+        shape = TopoDS_Edge()
+        BUILDER.MakeEdge(shape, step.path.geometry, EDGE)
+        BUILDER.Add(shape, self.vertices[along[0]].Oriented(TopAbs_FORWARD))
+        BUILDER.Add(shape, self.vertices[along[1]].Oriented(TopAbs_REVERSED))
+        BUILDER.Range(shape, forward.start, forward.end)
+        self.edges.append(Edge(shape, forward, along, step.places[1]))
         self._between.setdefault((min(ends), max(ends)), []).append(len(self.edges) - 1)
         return len(self.edges) - 1, forward is step
 
     def add(self, patch: Patch) -> None:
         """Make the face of a patch; it shares the edges that are there already."""
-        builder, face = BRep_Builder(), TopoDS_Face()
-        builder.MakeFace(face, patch.sheet.geometry, EDGE)
+        face = TopoDS_Face()
+        BUILDER.MakeFace(face, patch.sheet.geometry, EDGE)
         used: list[int] = []
         for loop in patch.loops:
             self._wire(face, patch.sheet, loop, used)
@@ -197,36 +192,36 @@ class Net:
                 way.remove(back) if back in way else way.append(here)
         if not way:
             return
-        wire, builder = TopoDS_Wire(), BRep_Builder()
-        builder.MakeWire(wire)
+        wire = TopoDS_Wire()
+        BUILDER.MakeWire(wire)
         for item in way:
             if isinstance(item, Pole):
-                builder.Add(wire, self._pole(item, sheet))
+                BUILDER.Add(wire, self._pole(item, sheet))
                 continue
             edge, forward = self.edges[item[0]], item[1]
             if not isinstance(sheet, Flat):
                 curve = sheet.trace(edge.step.path, edge.step.start, edge.step.end)
-                builder.UpdateEdge(edge.shape, curve, sheet.geometry, HERE, sheet.tolerance)
+                BUILDER.UpdateEdge(edge.shape, curve, sheet.geometry, HERE, sheet.tolerance)
                 if sheet.tolerance > EDGE:
                     for end in edge.ends:
-                        builder.UpdateVertex(self.vertices[end], 2 * sheet.tolerance)
+                        BUILDER.UpdateVertex(self.vertices[end], 2 * sheet.tolerance)
             edge.uses += 1
             used.append(item[0])
-            builder.Add(wire, edge.shape.Oriented(TopAbs_FORWARD if forward else TopAbs_REVERSED))
+            BUILDER.Add(wire, edge.shape.Oriented(TopAbs_FORWARD if forward else TopAbs_REVERSED))
         wire.Closed(True)
-        builder.Add(face, wire)
+        BUILDER.Add(face, wire)
 
     def _pole(self, step: Pole, sheet: Sheet) -> TopoDS_Edge:
-        shape, builder = TopoDS_Edge(), BRep_Builder()
-        builder.MakeEdge(shape)
-        vertex = self.vertices[self.vertex(step.points(0.0)[0])]
+        shape = TopoDS_Edge()
+        BUILDER.MakeEdge(shape)
+        vertex = self.vertices[self.vertex(step.places[0])]
         (u, v), way = step.first, np.subtract(step.last, step.first)
         line = Geom2d_Line(gp_Pnt2d(u, v), gp_Dir2d(*way.tolist()))
-        builder.UpdateEdge(shape, line, sheet.geometry, HERE, EDGE)
-        builder.Add(shape, vertex.Oriented(TopAbs_FORWARD))
-        builder.Add(shape, vertex.Oriented(TopAbs_REVERSED))
-        builder.Range(shape, 0.0, float(np.linalg.norm(way)))
-        builder.Degenerated(shape, True)
+        BUILDER.UpdateEdge(shape, line, sheet.geometry, HERE, EDGE)
+        BUILDER.Add(shape, vertex.Oriented(TopAbs_FORWARD))
+        BUILDER.Add(shape, vertex.Oriented(TopAbs_REVERSED))
+        BUILDER.Range(shape, 0.0, float(np.linalg.norm(way)))
+        BUILDER.Degenerated(shape, True)
         return shape
 
     def solids(self) -> TopoDS_Compound:
@@ -239,17 +234,22 @@ class Net:
         if open_:
             x, y, z = (round(value / MM, 3) for value in open_[0])
             raise ValueError(f"faces leave a gap at ({x:g}, {y:g}, {z:g}) m; change a parameter a little")
-        builder, found = BRep_Builder(), []
+        found = []
         for group in _connected([used for _, used in self.faces]):
             shell, solid = TopoDS_Shell(), TopoDS_Solid()
-            builder.MakeShell(shell)
+            BUILDER.MakeShell(shell)
             for k in group:
-                builder.Add(shell, self.faces[k][0])
+                BUILDER.Add(shell, self.faces[k][0])
             shell.Closed(True)
-            builder.MakeSolid(solid)
-            builder.Add(solid, shell)
+            BUILDER.MakeSolid(solid)
+            BUILDER.Add(solid, shell)
             found.append(solid)
         return together(found)
+
+
+def near(a: Point, b: Point) -> bool:
+    """Whether two points are one."""
+    return abs(a[0] - b[0]) < ONE and abs(a[1] - b[1]) < ONE and abs(a[2] - b[2]) < ONE
 
 
 def _connected(sets: Sequence[list[int]]) -> list[list[int]]:

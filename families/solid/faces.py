@@ -18,20 +18,21 @@ from families.declaration.plan import Vector
 from families.declaration.units import MM
 from families.solid.bodies import Void
 from families.solid.boundary import Loop, Pole, Step
-from families.solid.curves import Spline, Straight
-from families.solid.envelope import DENSE, SAME_HEIGHT, Line, Skin, nodes
-from families.solid.face_net import ONE, Net, Patch
-from families.solid.heights import change, shown
-from families.solid.plan_cells import SAME_PLACE, Ground, Part
+from families.solid.curves import Point, Spline, Straight
+from families.solid.envelope import LOOKED, SAME_HEIGHT, Line, Skin
+from families.solid.face_net import ONE, Net, Patch, near
+from families.solid.heights import between, change, shown, shown_at
+from families.solid.plan_cells import SAME_PLACE, Ground, Part, Way
 from families.solid.plane_regions import regions
 from families.solid.roofs import Plane, Roof
 from families.solid.seamless import seamless
+from families.solid.splines import spread
 from families.solid.surfaces import Drum, Flat, Sheet
 
 Array = NDArray[np.float64]
 BETWEEN = np.array([0.13, 0.31, 0.5, 0.69, 0.87])  # shares of an edge at which heights on both sides are compared
-MIDDLE = np.array([0.5])
 OUTSIDE = 1e-5  # [m] beyond a side, where it is looked what stands there
+LAID = 49  # places through which a curve over a way is laid
 LOOKS = 24  # places along a side at which it is looked what stands beyond
 SAME_STOP = 1e-9  # [m]
 ROUNDED = 1e-5  # [m]
@@ -81,10 +82,12 @@ class Faces:
         self.outer = Skin(self.ground)
         self.stops: dict[int, list[float]] = {}
         self._stop(self._ends())
-        forced = [*self._crossings(self.top), *self._crossings(self.bottom), *self._changes_beyond()]
+        self.above, self.below = self._seen(self.top), self._seen(self.bottom)
+        crossings = self._crossings(self.top, self.above), self._crossings(self.bottom, self.below)
+        forced = [*crossings[0], *crossings[1], *self._changes_beyond()]
         if forced:
             self._stop(forced)
-        self.above, self.below = self._seen(self.top), self._seen(self.bottom)
+            self.above, self.below = self._seen(self.top), self._seen(self.bottom)
         forced += self._line_ends()
         self._join({(way, self._nearest(self.stops[way], t)) for way, t in forced})
         self.roofs: tuple[dict[int, Loop], dict[int, Loop]] = (defaultdict(list), defaultdict(list))
@@ -209,49 +212,54 @@ class Faces:
                 for k in range(len(stops) - 1)
             ]
             for k, stop in enumerate(stops):
-                if edges[max(k - 1, 0) : k + 1] not in ([True, True], [False, False]) and any(
-                    edges[max(k - 1, 0) : k + 1]
-                ):
-                    x, y = self.ground.ways[way].at(stop)
-                    for a in (-SAME_PLACE, SAME_PLACE):
-                        for b in (-SAME_PLACE, SAME_PLACE):
-                            found[_rounded(x + a, y + b)].add(way)
+                if (k > 0 and edges[k - 1]) == (k < len(edges) and edges[k]):
+                    continue
+                x, y = self.ground.ways[way].at(stop)
+                (x0, y0), (x1, y1) = _rounded(x - SAME_PLACE, y - SAME_PLACE), _rounded(x + SAME_PLACE, y + SAME_PLACE)
+                for place in {(x0, y0), (x0, y1), (x1, y0), (x1, y1)}:
+                    found[place].add(way)
         return found
 
     def _span(self, piece: Piece) -> tuple[float, float]:
         way, k = piece
         return self.stops[way][k], self.stops[way][k + 1]
 
-    def _places(self, piece: Piece, shares: Array) -> tuple[Array, Array]:
+    def _middle(self, piece: Piece) -> Vector:
         start, end = self._span(piece)
-        return self.ground.ways[piece[0]].places(start + shares * (end - start))
+        return self.ground.ways[piece[0]].at((start + end) / 2)
 
-    def _crossings(self, skin: Skin) -> Iterator[tuple[int, float]]:
+    def _apart_by(self, piece: Piece, upper: tuple[Skin, int], lower: tuple[Skin, int]) -> list[float]:
+        """How much higher one roof is than another `BETWEEN` the ends of a piece."""
+        way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
+        (one, a), (other, b) = upper, lower
+        return between(way.row, start, end, BETWEEN, one.table, a, other.table, b).tolist()  # type: ignore[no-any-return]
+
+    def _crossings(self, skin: Skin, seen: dict[Piece, Sides]) -> Iterator[tuple[int, float]]:
         """Where the two sides of a wall are as high: where they cross, or touch as a pendentive does its octagon."""
-        for piece, (left, right) in self._seen(skin).items():
+        for piece, (left, right) in seen.items():
             if left == right or left < 0 or right < 0:
                 continue
-            x, y = self._places(piece, BETWEEN)
-            miss = skin.height(left, x, y) - skin.height(right, x, y)
+            miss = self._apart_by(piece, (skin, left), (skin, right))
             way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
 
-            def off(t: float, way: Any = way, left: int = left, right: int = right) -> float:
-                a, b = way.places(np.array([t]))
-                return float((skin.height(left, a, b) - skin.height(right, a, b))[0])
+            def off(t: float, way: Way = way, left: int = left, right: int = right) -> float:
+                place = way.at(t)
+                return skin.height(left, *place) - skin.height(right, *place)
 
-            if np.abs(miss).max() > SAME_HEIGHT:
+            if max(map(abs, miss)) > SAME_HEIGHT:
                 yield from ((piece[0], t) for t in (start, end) if abs(off(t)) < SAME_HEIGHT)
-            if miss.min() > -SAME_HEIGHT or miss.max() < SAME_HEIGHT:
+            if min(miss) > -SAME_HEIGHT or max(miss) < SAME_HEIGHT:
                 continue
             at = start + BETWEEN * (end - start)
-            for j in np.flatnonzero(miss[:-1] * miss[1:] < 0).tolist():
-                yield piece[0], float(brentq(off, at[j], at[j + 1], xtol=1e-15))
+            for j, (here, there) in enumerate(pairwise(miss)):
+                if here * there < 0:
+                    yield piece[0], float(brentq(off, at[j], at[j + 1], xtol=1e-15))
 
     def _changes_beyond(self) -> Iterator[tuple[int, float]]:
         """Where what stands beyond a side of the plan changes."""
         if self.beyond is None:
             return
-        there = {piece: self._outside(piece, sides) for piece, sides in self._seen(self.top).items() if -1 in sides}
+        there = {piece: self._outside(piece, sides) for piece, sides in self.above.items() if -1 in sides}
         for piece, (rows, owners) in there.items():
             before = there.get((piece[0], piece[1] - 1))
             if before is not None and not np.array_equal(before[0], rows):
@@ -268,7 +276,7 @@ class Faces:
     def _outside(self, piece: Piece, sides: Sides) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The roofs of the void beyond a side, and the pieces to which they belong."""
         assert self.beyond is not None
-        x, y = (float(value[0]) for value in self._places(piece, MIDDLE))
+        x, y = self._middle(piece)
         nx, ny = self._right(piece[0], x, y)
         step = OUTSIDE if sides.left >= 0 else -OUTSIDE
         pieces = self.beyond.over(x + step * nx, y + step * ny)
@@ -303,9 +311,8 @@ class Faces:
         for piece, (left, right) in seen.items():
             if left == right or left < 0 or right < 0:
                 continue
-            x, y = self._places(piece, BETWEEN)
-            miss = skin.height(left, x, y) - skin.height(right, x, y)
-            if np.abs(miss).max() < SAME_HEIGHT:
+            miss = self._apart_by(piece, (skin, left), (skin, right))
+            if _none(miss):
                 step = self._step(skin, (left, right), piece)
                 steps[left].append(step)
                 steps[right].append(step.reversed)
@@ -313,7 +320,7 @@ class Faces:
             here, there = self._step(skin, (left,), piece), self._step(skin, (right,), piece)
             steps[left].append(here)
             steps[right].append(there.reversed)
-            higher = bool(miss[2] > 0)
+            higher = miss[2] > 0
             lower, top = (there, here) if higher else (here, there)
             roof = skin.roofs[left if higher else right]
             # Not of the extrados, which has none of the room's names, nor below stone that overhangs.
@@ -327,68 +334,59 @@ class Faces:
             if -1 not in sides:
                 continue
             roof, floor = sides.inner, self.below[piece].inner
-            x, y = self._places(piece, BETWEEN)
-            high, low = self.top.height(roof, x, y), self.bottom.height(floor, x, y)
             left = sides.left >= 0
             top = self._step(self.top, (roof,), piece)
             self.roofs[0][roof].append(top if left else top.reversed)
-            foot = top if np.abs(high - low).max() < SAME_HEIGHT else self._step(self.bottom, (floor,), piece)
+            level = _none(self._apart_by(piece, (self.top, roof), (self.bottom, floor)))
+            foot = top if level else self._step(self.bottom, (floor,), piece)
             self.roofs[1][floor].append(foot if left else foot.reversed)
             if foot is top:
                 continue
-            for lower, upper, own in self._strips(piece, sides, (foot, low), (top, high)):
-                level = self.top.roofs[roof].springing if own else None
-                self._wall(piece, lower, upper, left=left, shown=own, level=level)
+            for lower, upper, own in self._strips(piece, sides, foot, top):
+                springing = self.top.roofs[roof].springing if own else None
+                self._wall(piece, lower, upper, left=left, shown=own, level=springing)
 
-    def _strips(
-        self, piece: Piece, sides: Sides, foot: tuple[Step, Array], top: tuple[Step, Array]
-    ) -> Iterator[tuple[Step, Step, bool]]:
+    def _strips(self, piece: Piece, sides: Sides, foot: Step, top: Step) -> Iterator[tuple[Step, Step, bool]]:
         """A side parted by height: as high as the void goes on it is the plan's, above it is the void's own wall."""
-        rows = self._outside(piece, sides)[0] if self.beyond is not None else np.empty(0, np.int64)
-        if self.beyond is not None and not len(rows):
+        if self.beyond is None:
+            yield foot, top, False
+            return
+        rows, owners = self._outside(piece, sides)
+        if not len(rows):
             free = self.beyond.free
-            if free is None or (foot[1] > free).any():
-                yield foot[0], top[0], True
+            if free is None or max(foot.places[0][2], foot.places[2][2]) > MM * free:
+                yield foot, top, True
                 return
             # Below it stands the wall of the plan.
             middle = self._step(self.outer, (self.outer.number(self._planes(free)),), piece)
-            yield foot[0], middle, False
-            yield middle, top[0], True
+            yield foot, middle, False
+            yield middle, top, True
             return
-        if self.beyond is None:
-            yield foot[0], top[0], False
-            return
-        x, y = self._places(piece, MIDDLE)
-        rows, owners = self._outside(piece, sides)
-        label = int(rows[shown(x, y, self.outer.table, rows, owners)[0][0]])
-        over = self.outer.height(label, *self._places(piece, BETWEEN))
-        if (over - top[1]).max() > -SAME_HEIGHT:
-            yield foot[0], top[0], False
-        elif (over - foot[1]).min() < SAME_HEIGHT:
-            yield foot[0], top[0], True
+        label = int(rows[shown_at(*self._middle(piece), self.outer.table, rows, owners)])
+        over, floor = (self.outer, label), (self.bottom, self.below[piece].inner)
+        if max(self._apart_by(piece, over, (self.top, sides.inner))) > -SAME_HEIGHT:
+            yield foot, top, False
+        elif min(self._apart_by(piece, over, floor)) < SAME_HEIGHT:
+            yield foot, top, True
         else:
             middle = self._step(self.outer, (label,), piece)
-            yield foot[0], middle, False
-            yield middle, top[0], True
+            yield foot, middle, False
+            yield middle, top, True
 
     def _step(self, skin: Skin, roofs: tuple[int, ...], piece: Piece) -> Step:
         """The step over a piece, forwards, on roofs that are as high there: exact on one of them, else laid through."""
         way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
-        t = np.array([start, end])
-        x, y = way.places(t)
+        places = way.at(start), way.at(end)
         for roof in roofs:
-            z = skin.height(roof, x, y)
-            ends = [(MM * float(a), MM * float(b), MM * float(c)) for a, b, c in zip(x, y, z, strict=True)]
-            step = skin.roofs[roof].exact(way, start, end, (ends[0], ends[1]))
-            if step is not None:
+            first, last = ((MM * x, MM * y, MM * skin.height(roof, x, y)) for x, y in places)
+            if (step := skin.roofs[roof].exact(way, start, end, (first, last))) is not None:
                 return step
 
         def points(share: Array) -> Array:
             a, b = way.places(start + (1 - np.cos(np.pi * share)) / 2 * (end - start))
-            return np.stack([a, b, skin.height(roofs[0], a, b)], axis=1)
+            return np.stack([a, b, skin.heights(roofs[0], a, b)], axis=1)
 
-        dense = np.linspace(0, 1, DENSE)
-        spline = Spline.through(MM * points(nodes(points(dense), dense)))
+        spline = Spline.through(MM * points(spread(points(LOOKED), LOOKED, LAID)))
         return Step(spline, 0.0, spline.end)
 
     # Walls.
@@ -397,7 +395,7 @@ class Faces:
         """Upright between two steps over a piece, the body on its left or right; parted at a level [m]."""
         sheet, turned = self._upright(piece)
         wall = Wall(sheet, left == turned, shown)
-        if level is not None and lower.places[1, 2] < MM * level - ONE < MM * level + ONE < upper.places[1, 2]:
+        if level is not None and lower.places[1][2] < MM * level - ONE < MM * level + ONE < upper.places[1][2]:
             middle = self._step(self.outer, (self.outer.number(self._planes(level)),), piece)
             self._bound(wall._replace(above=True), middle, upper, turned)
             upper = middle
@@ -409,13 +407,12 @@ class Faces:
 
     def _bound(self, wall: Wall, lower: Step, upper: Step, turned: bool) -> None:
         """Add the steps around a part of a wall; its normal is to the right of the way, or to the left if turned."""
-        first, last = lower.places[[0, 2]], upper.places[[0, 2]]
         loop = [lower]
-        if last[1, 2] - first[1, 2] > ONE:
-            loop.append(_plumb(first[1], last[1]))
+        if upper.places[2][2] - lower.places[2][2] > ONE:
+            loop.append(_plumb(lower.places[2], upper.places[2]))
         loop.append(upper.reversed)
-        if last[0, 2] - first[0, 2] > ONE:
-            loop.append(_plumb(last[0], first[0]))
+        if upper.places[0][2] - lower.places[0][2] > ONE:
+            loop.append(_plumb(upper.places[0], lower.places[0]))
         self.walls[wall] += [step.reversed for step in loop[::-1]] if turned else loop
 
     def _upright(self, piece: Piece) -> tuple[Sheet, bool]:
@@ -463,7 +460,7 @@ class Faces:
                 dropped.add(k)
                 continue
             for j in back.get((b, a), ()):
-                if j not in dropped and np.abs(steps[j].places[1] - steps[k].places[1]).max() < ONE:
+                if j not in dropped and near(steps[j].places[1], steps[k].places[1]):
                     dropped |= {j, k}
                     break
             else:
@@ -480,24 +477,28 @@ def _plan(points: Array) -> Array:
     return points[:, :2]
 
 
-def _plumb(start: Array, end: Array) -> Step:
-    x, y = start[:2].tolist()
-    return Step(Straight((0.0, 0.0, 1.0), (x, y, 0.0)), float(start[2]), float(end[2]))
+def _plumb(start: Point, end: Point) -> Step:
+    x, y, z = start
+    return Step(Straight((0.0, 0.0, 1.0), (x, y, 0.0)), z, end[2])
+
+
+def _none(heights: list[float]) -> bool:
+    return max(heights) < SAME_HEIGHT and min(heights) > -SAME_HEIGHT
 
 
 def _with_pole(roof: Roof, loop: Loop) -> Loop:
     """A loop with the line of parameters that is one point, where it passes that."""
     if roof.pole is None:
         return loop
-    place, running = MM * np.array(roof.pole[0]), roof.pole[1]
+    (x, y), running = (MM * value for value in roof.pole[0]), roof.pole[1]
     found: Loop = []
     for k, step in enumerate(loop):
         found.append(step)
         apex = step.places[2]
-        if np.abs(apex[:2] - place).max() < ONE:
+        if abs(apex[0] - x) < ONE and abs(apex[1] - y) < ONE:
             ends = []
             for beside in (step, loop[(k + 1) % len(loop)]):
-                at = roof.sheet.parameters(apex[None])[0]
+                at = roof.sheet.parameters(np.array([apex]))[0]
                 at[running] = roof.sheet.parameters(beside.points(0.5))[0, running]
                 ends.append((float(at[0]), float(at[1])))
             found.append(Pole(step.path, step.end, step.end, ends[0], ends[1]))

@@ -24,6 +24,9 @@ WEB_X, WEB_Y, WEB_ACROSS_X, WEB_ACROSS_Y = kernel.X, kernel.Y, kernel.ACROSS_X, 
 ROUNDING = 1e-13  # of a cosine: a root turns it into a height
 APEX = 1e-12  # share of a cone's profile that is left at its apex
 HALVINGS = 80  # of an interval in which a root is sought
+CORNER = 1e-9  # [rad] beyond its ends, to which an arc reaches
+CLOSE = 1e-15  # [m], places nearer than that are one root
+STEP = 1e-6  # [m] beside a place, by which slopes are told
 DECIDED = 1e-9  # [m], heights nearer than that do not tell which roof shows
 
 
@@ -114,21 +117,63 @@ def outline(parts: Array, shares: Array) -> tuple[Array, Array]:
     return x, y
 
 
+@inner
+def _within(x: float, y: float, parts: Array) -> bool:
+    """Whether a place lies on the inner side of all parts of a loop."""
+    for k in range(len(parts)):
+        forward = parts[k, 10] > parts[k, 9]
+        if parts[k, 6] == 0.0:
+            dx, dy = parts[k, 2] - parts[k, 0], parts[k, 3] - parts[k, 1]
+            if (dx * (y - parts[k, 1]) - dy * (x - parts[k, 0]) > 0.0) != forward:
+                return False
+        else:
+            dx, dy = x - parts[k, 4], y - parts[k, 5]
+            if (dx * dx + dy * dy < parts[k, 6] * parts[k, 6]) != ((parts[k, 8] > 0.0) == forward):
+                return False
+    return True
+
+
 @compiled
 def within(parts: Array, x: Array, y: Array) -> NDArray[np.bool_]:
     """Whether places (n,) lie on the inner side of all parts of a loop."""
-    out = np.ones(len(x), np.bool_)
+    out = np.empty(len(x), np.bool_)
     for i in range(len(x)):
-        for k in range(len(parts)):
-            forward = parts[k, 10] > parts[k, 9]
-            if parts[k, 6] == 0.0:
-                dx, dy = parts[k, 2] - parts[k, 0], parts[k, 3] - parts[k, 1]
-                inner_side = dx * (y[i] - parts[k, 1]) - dy * (x[i] - parts[k, 0]) > 0.0
-                out[i] &= inner_side == forward
-            else:
-                dx, dy = x[i] - parts[k, 4], y[i] - parts[k, 5]
-                inner_side = dx * dx + dy * dy < parts[k, 6] * parts[k, 6]
-                out[i] &= inner_side == ((parts[k, 8] > 0.0) == forward)
+        out[i] = _within(x[i], y[i], parts)
+    return out
+
+
+@compiled
+def middle(parts: Array) -> tuple[float, float]:
+    """A place well within a loop: the middle or, where an arc bends into it, that of a chord far from the boundary."""
+    mx = my = 0.0
+    bulges = False
+    for k in range(len(parts)):
+        bulges |= parts[k, 6] != 0.0 and parts[k, 8] * (parts[k, 10] - parts[k, 9]) < 0.0
+        for share in (0.0, 0.5):
+            x, y = _on(parts[k], parts[k, 9] + share * (parts[k, 10] - parts[k, 9]))
+            mx, my = mx + x / (2 * len(parts)), my + y / (2 * len(parts))
+    if not bulges:
+        return mx, my
+    xs, ys = outline(parts, np.arange(8) / 8)
+    n = len(xs)
+    found, most = (mx, my), -1.0
+    for chord in range(-1, 3 * n):
+        k, j = chord // 3, (n // 2, n // 3, n // 4)[chord % 3]
+        x, y = (mx, my) if chord < 0 else ((xs[k] + xs[(k + j) % n]) / 2, (ys[k] + ys[(k + j) % n]) / 2)
+        if _within(x, y, parts):
+            room = ((xs - x) ** 2 + (ys - y) ** 2).min()
+            if room > most:
+                found, most = (x, y), room
+    return found
+
+
+@compiled
+def between(way: Array, start: float, end: float, shares: Array, upper: Array, a: int, lower: Array, b: int) -> Array:
+    """How much higher (n,) roof a of one table is than roof b of another, at shares of a part of a way."""
+    out = np.empty(len(shares))
+    for i in range(len(shares)):
+        x, y = _on(way, start + shares[i] * (end - start))
+        out[i] = height_at(x, y, upper, a) - height_at(x, y, lower, b)
     return out
 
 
@@ -155,43 +200,102 @@ def change(
     return high, after
 
 
-@compiled
-def trace(start: Array, end: Array, share: Array, low: Array, high: Array, roofs: Array, a: int, b: int) -> Array:
-    """Places (n, 2) at which roofs a and b are as high, beside the chord from start to end.
+@inner
+def _between(
+    start: tuple[float, float], way: tuple[float, float], low: float, high: float, roofs: Array, a: int, b: int
+) -> float:
+    """How far from a place along a unit vector roofs a and b are as high (Ridders 1979); NaN where that is not told."""
+    (x, y), (dx, dy) = start, way
+    g0 = height_at(x + low * dx, y + low * dy, roofs, a) - height_at(x + low * dx, y + low * dy, roofs, b)
+    g1 = height_at(x + high * dx, y + high * dy, roofs, a) - height_at(x + high * dx, y + high * dy, roofs, b)
+    if g0 * g1 > 0.0:
+        return np.nan
+    here = inf
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        px, py = x + middle * dx, y + middle * dy
+        g = height_at(px, py, roofs, a) - height_at(px, py, roofs, b)
+        root = sqrt(g * g - g0 * g1)
+        before, here = here, middle if root == 0.0 else middle + (middle - low) * (g if g0 > g1 else -g) / root
+        if abs(here - before) < CLOSE:
+            break
+        px, py = x + here * dx, y + here * dy
+        there = height_at(px, py, roofs, a) - height_at(px, py, roofs, b)
+        if there == 0.0:
+            break
+        if (g > 0.0) != (there > 0.0):
+            low, g0, high, g1 = middle, g, here, there
+        elif (g0 > 0.0) != (there > 0.0):
+            high, g1 = here, there
+        else:
+            low, g0 = here, there
+    return here
 
-    At each share of the chord the place is sought square to it, `low` to `high` [m] to its left, by halving; NaN where
-    neither end has another roof higher than the other end has.
+
+@inner
+def _reach(x: float, y: float, dx: float, dy: float, parts: Array) -> tuple[float, float]:
+    """How far the boundary of a loop lies behind and ahead of a place along a unit vector; 0 where there is none."""
+    low, high = -inf, inf
+    for k in range(len(parts)):
+        way, start, end = parts[k], parts[k, 9], parts[k, 10]
+        if way[6] == 0.0:
+            (ax, ay), (bx, by) = _on(way, start), _on(way, end)
+            before, after = (ay - y) * dx - (ax - x) * dy, (by - y) * dx - (bx - x) * dy
+            if before == after or min(before, after) > 0.0 or max(before, after) < 0.0:
+                continue
+            share = before / (before - after)
+            first = last = (ax + share * (bx - ax) - x) * dx + (ay + share * (by - ay) - y) * dy
+        else:
+            px, py = x - way[4], y - way[5]
+            middle = dx * px + dy * py
+            square = middle * middle - px * px - py * py + way[6] * way[6]
+            if square < 0.0:
+                continue
+            first, last = -middle - sqrt(square), -middle + sqrt(square)
+        for s in (first, last):
+            if way[6] != 0.0:
+                angle = np.arctan2(y + s * dy - way[5], x + s * dx - way[4]) - way[7] - (start + end) / 2 * way[8]
+                off = (angle + np.pi) % (2 * np.pi) - np.pi
+                if abs(off) > abs((end - start) / 2 * way[8]) + CORNER:
+                    continue
+            if s <= 0.0:
+                low = max(low, s)
+            if s >= 0.0:
+                high = min(high, s)
+    return (0.0 if low == -inf else low), (0.0 if high == inf else high)
+
+
+@compiled
+def trace(start: Array, end: Array, share: Array, parts: Array, roofs: Array, a: int, b: int) -> Array:
+    """Points (n, 3) at which roofs a and b are as high, beside the chord from start to end.
+
+    At each share of the chord the place is sought square to it, within the loop of a cell; NaN where neither end has
+    another roof higher than the other end has.
     """
-    out = np.empty((len(share), 2))
+    out = np.empty((len(share), 3))
     x, y = end[0] - start[0], end[1] - start[1]
     size = sqrt(x * x + y * y)
     x, y = x / size, y / size
     for i in range(len(share)):
         px, py = start[0] + share[i] * size * x, start[1] + share[i] * size * y
-        s0, s1 = low[i], high[i]
-        g0 = height_at(px - y * s0, py + x * s0, roofs, a) - height_at(px - y * s0, py + x * s0, roofs, b)
-        g1 = height_at(px - y * s1, py + x * s1, roofs, a) - height_at(px - y * s1, py + x * s1, roofs, b)
-        if g0 * g1 > 0.0:
-            out[i] = np.nan
-            continue
-        for n in range(HALVINGS):
-            # Regula falsi in turn with halving: few steps where the difference is smooth, never many.
-            s = (s0 + s1) / 2 if n % 3 == 2 or g1 == g0 else s0 - g0 * (s1 - s0) / (g1 - g0)
-            if not (s0 < s < s1 or s1 < s < s0):
-                s = (s0 + s1) / 2
-                if s in (s0, s1):
-                    break
-            qx, qy = px - y * s, py + x * s
-            g = height_at(qx, qy, roofs, a) - height_at(qx, qy, roofs, b)
-            if g == 0.0:
-                s0 = s1 = s
-                break
-            if (g > 0.0) == (g0 > 0.0):
-                s0, g0 = s, g
-            else:
-                s1, g1 = s, g
-            if abs(s1 - s0) < 1e-15:
-                break
-        s = (s0 + s1) / 2
-        out[i, 0], out[i, 1] = px - y * s, py + x * s
+        if 0.0 < share[i] < 1.0:
+            low, high = _reach(px, py, -y, x, parts)
+            s = _between((px, py), (-y, x), low, high, roofs, a, b)
+            px, py = px - y * s, py + x * s
+        elif share[i] == 1.0:
+            px, py = end[0], end[1]
+        out[i, 0], out[i, 1] = px, py
+        out[i, 2] = (height_at(px, py, roofs, a) + height_at(px, py, roofs, b)) / 2
     return out
+
+
+@compiled
+def stray(points: Array, roofs: Array, k: int) -> float:
+    """The largest distance of points (n, 3) from roof k."""
+    most = 0.0
+    for i in range(len(points)):
+        x, y, z = points[i]
+        dx = (height_at(x + STEP, y, roofs, k) - height_at(x - STEP, y, roofs, k)) / (2 * STEP)
+        dy = (height_at(x, y + STEP, roofs, k) - height_at(x, y - STEP, roofs, k)) / (2 * STEP)
+        most = max(most, abs(height_at(x, y, roofs, k) - z) / sqrt(1.0 + dx * dx + dy * dy))
+    return most

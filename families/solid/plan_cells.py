@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from families.declaration.plan import Vector
-from families.solid.heights import outline, within
+from families.solid.heights import middle, outline, within
 
 Array = NDArray[np.float64]
 SAME_PLACE = 1e-6  # [m], places nearer than that are one
-HALVES, EIGHTHS = np.linspace(0, 1, 3)[:-1], np.linspace(0, 1, 9)[:-1]
+EIGHTHS = np.linspace(0, 1, 9)[:-1]
 
 
 @dataclass(frozen=True)
@@ -55,19 +55,19 @@ class Way:
     angle: float = 0.0
     sweep: float = 0.0
 
-    @property
+    @cached_property
     def radius(self) -> float:
         """Radius of an arc [m]."""
         assert self.centre is not None
         return hypot(self.start[0] - self.centre[0], self.start[1] - self.centre[1])
 
-    @property
+    @cached_property
     def numbers(self) -> tuple[float, ...]:
         """As the compiled functions take it."""
         arc = (0.0,) * 5 if self.centre is None else (*self.centre, self.radius, self.angle, self.sweep)
         return *self.start, *self.end, *arc
 
-    @property
+    @cached_property
     def row(self) -> Array:
         """The same as an array."""
         return np.array(self.numbers)
@@ -132,25 +132,15 @@ class Cell:
         return np.array([(*self.ways[part.way].numbers, part.start, part.end) for part in self.loop])
 
     @cached_property
-    def bulges(self) -> bool:
-        """Whether an arc of the boundary bends into the cell."""
-        ways = ((self.ways[part.way], part) for part in self.loop)
-        return any(way.centre is not None and way.sweep * (part.end - part.start) < 0 for way, part in ways)
+    def corners(self) -> list[Vector]:
+        """Where its parts start."""
+        return [self.ways[part.way].at(part.start) for part in self.loop]
 
     @cached_property
     def middle(self) -> Vector:
-        """A place well within: the middle or, where an arc bends into it, that of a chord far from the boundary."""
-        x, y = outline(self.table, HALVES)
-        place = float(x.mean()), float(y.mean())
-        if not self.bulges:
-            return place
-        x, y = outline(self.table, EIGHTHS)
-        candidates = np.array([place, *_across(x, y)])
-        a, b = candidates[within(self.table, *np.ascontiguousarray(candidates.T))].T
-        if not len(a):
-            return place
-        k = int(np.hypot(x - a[:, None], y - b[:, None]).min(axis=1).argmax())
-        return float(a[k]), float(b[k])
+        """A place well within."""
+        x, y = middle(self.table)
+        return x, y
 
     def outline(self, shares: Array) -> tuple[Array, Array]:
         """Places x, y (n,) along the boundary at shares (k,) of each part."""
@@ -177,13 +167,9 @@ class Ground:
         ways = [Way(a, b) for a, b in zip(places, [*places[1:], places[0]], strict=True)]
         return Ground(ways, [Cell([Part(k, 0.0, 1.0) for k in range(len(ways))], ways)])
 
-    def place(self, part: Part, share: float = 0.0) -> Vector:
-        """Place at a share of a part."""
-        return self.ways[part.way].at(part.start + share * (part.end - part.start) if share < 1 else part.end)
-
     def meets(self, circle: Cut) -> bool:
         """Whether a circle may leave a cell: one of them reaches beyond it, and one comes within."""
-        sides = [circle.side(*self.place(part)) for cell in self.cells for part in cell.loop]
+        sides = [circle.side(x, y) for cell in self.cells for x, y in cell.corners]
         return max(sides) > 0 and (min(sides) < 0 or any(self._foot(w, circle) is not None for w in self._lines()))
 
     def feet(self, centre: Vector) -> list[Cut]:
@@ -212,7 +198,7 @@ class Ground:
 
     def parted(self, cell: Cell, cut: Cut) -> list[Cell]:
         """A cell, or the two in which a cut parts it."""
-        sides = [cut.side(*self.place(part)) for part in cell.loop]
+        sides = [cut.side(x, y) for x, y in cell.corners]
         if not (min(sides) < 0 < max(sides)):
             return [cell]
         loop: list[tuple[Part, float]] = []  # parts, each with the side of its start
@@ -234,7 +220,7 @@ class Ground:
         first, last = ins[0], outs[0]
         above = [loop[(first + k) % size][0] for k in range((last - first) % size)]
         below = [loop[(last + k) % size][0] for k in range((first - last) % size)]
-        way = self._between(cut, self.place(loop[last][0]), self.place(loop[first][0]))
+        way = self._between(cut, *(self.ways[loop[k][0].way].at(loop[k][0].start) for k in (last, first)))
         return [Cell([*above, Part(way, 0.0, 1.0)], self.ways), Cell([*below, Part(way, 1.0, 0.0)], self.ways)]
 
     def _between(self, cut: Cut, start: Vector, end: Vector) -> int:
@@ -263,12 +249,3 @@ class Ground:
                 xs.append(outside * np.cos(angle))
                 ys.append(outside * np.sin(angle))
         return np.concatenate(xs), np.concatenate(ys)
-
-
-def _across(x: Array, y: Array) -> Iterable[Vector]:
-    """Middles of chords between places on an outline."""
-    n = len(x)
-    for k in range(0, n, max(1, n // 8)):
-        for j in (n // 2, n // 3, n // 4):
-            a, b = k, (k + j) % n
-            yield float((x[a] + x[b]) / 2), float((y[a] + y[b]) / 2)

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.units import MM
-from families.solid.boundary import Loop
+from families.solid.boundary import Loop, Step
+from families.solid.curves import Straight
 
 Array = NDArray[np.float64]
 Map = Callable[[Array], Array]
@@ -29,7 +30,9 @@ def regions(parameters: Map, steps: Loop, ends: list[tuple[int, int]]) -> list[l
         ValueError: the steps do not close.
     """
     loops = _loops(parameters, steps, ends)
-    outlines = [np.concatenate([parameters(step.points(*OUTLINE)) for step in loop]) for loop in loops]
+    if len(loops) == 1:
+        return [loops]
+    outlines = [parameters(np.concatenate([_outline(step) for step in loop])) for loop in loops]
     areas = [area(outline) for outline in outlines]
     outer = [k for k, size in enumerate(areas) if size > 0]
     found = {k: [loops[k]] for k in outer}
@@ -39,6 +42,11 @@ def regions(parameters: Map, steps: Loop, ends: list[tuple[int, int]]) -> list[l
             raise ValueError("a plane end of this vault has a hole and no bounds; change a parameter a little")
         found[min(around, key=lambda k: areas[k])].append(loops[hole])
     return list(found.values())
+
+
+def _outline(step: Step) -> Array:
+    """Points of a step but its last, which is the next one's first."""
+    return np.array(step.places[:1]) if isinstance(step.path, Straight) else step.points(*OUTLINE)
 
 
 def area(outline: Array) -> float:
@@ -69,7 +77,7 @@ def _loops(parameters: Map, steps: Loop, ends: list[tuple[int, int]]) -> list[Lo
             last = way[-1]
             nexts = [k for k in starts.get(ends[last][1], ()) if left[k]]
             if not nexts:
-                x, y, z = (steps[last].places[2] / MM).round(3).tolist()
+                x, y, z = (round(value / MM, 3) for value in steps[last].places[2])
                 raise ValueError(f"edges do not close at ({x:g}, {y:g}, {z:g}) m; change a parameter a little")
             chosen = nexts[0]
             if len(nexts) > 1:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from math import floor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,8 +58,8 @@ def seamless(patches: list[Patch], net: Net) -> list[Patch]:
 
 
 def _edge(start: int, end: int, step: Step) -> Edge:
-    x, y, z = np.floor(10 * step.places[1] + 0.5).astype(int).tolist()
-    return min(start, end), max(start, end), x, y, z
+    x, y, z = step.places[1]
+    return min(start, end), max(start, end), floor(10 * x + 0.5), floor(10 * y + 0.5), floor(10 * z + 0.5)
 
 
 def _go_on(first: Step, last: Step) -> bool:
@@ -96,7 +97,7 @@ def _folded(loop: Loop, dropped: set[int], net: Net) -> Loop:
             path, end = before.path, step.end
             if path is not step.path:
                 if isinstance(path, Straight):
-                    end = float(path.parameters(step.places[2:])[0])
+                    end = path.parameter(step.places[2])
                 elif isinstance(path, Conic):
                     end = before.end + (step.end - step.start)
             found[-1] = Step(path, before.start, end)

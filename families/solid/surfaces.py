@@ -117,16 +117,15 @@ class BarrelSide:
         return self.sign * np.array([*self.part.across, 0.0])
 
     @cached_property
-    def along(self) -> Array:
-        """Vector (3,) along the barrel, a metre in plan, climbing with it: outwards × up, so normals point outwards."""
+    def along(self) -> Point:
+        """Vector along the barrel, a metre in plan, climbing with it: outwards × up, so normals point outwards."""
         x, y = self.part.along
-        return -self.sign * np.array([x, y, self.part.slope])
+        return -self.sign * x, -self.sign * y, -self.sign * self.part.slope
 
-    def place(self, along: float = 0.0) -> Array:
-        """Point (3,) [mm] on the barrel's axis at the springing, at a coordinate along it [m]."""
+    def place(self, along: float = 0.0) -> Point:
+        """Point [mm] on the barrel's axis at the springing, at a coordinate along it [m]."""
         (x, y), (a, b) = self.part.origin, self.part.along
-        found: Array = np.multiply(MM, (x + along * a, y + along * b, self.part.base + self.part.lift(along)))
-        return found
+        return MM * (x + along * a), MM * (y + along * b), MM * (self.part.base + self.part.lift(along))
 
 
 @dataclass(frozen=True)
@@ -147,48 +146,50 @@ class Drawn(Sheet):
     @cached_property
     def directrix(self) -> Conic:
         """The bow at along = 0."""
-        return Conic.of(self.bow, self.frame.place(), self.frame.outwards, UP)[0]
+        return Conic.of(self.bow, np.array(self.frame.place()), self.frame.outwards, UP)[0]
 
     @cached_property
     def geometry(self) -> Geom_Surface:
         """Cylinder or surface of extrusion."""
-        conic, along = self.directrix, gp_Dir(*self.frame.along.tolist())
+        conic, along = self.directrix, gp_Dir(*self.frame.along)
         if conic.a == conic.b and not self.side.part.slope:
             return Geom_CylindricalSurface(gp_Ax3(gp_Pnt(*conic.centre), along, gp_Dir(*conic.x)), conic.a)
         return Geom_SurfaceOfLinearExtrusion(conic.geometry, along)
 
     @cached_property
-    def _level(self) -> tuple[Array, float, float]:
+    def _level(self) -> tuple[Vector, float, float]:
         """Along in plan, where it is 0, and how much longer a way along the surface is."""
-        level = self.frame.along * (1.0, 1.0, 0.0)
-        return level, float(level @ self.directrix.centre), float(np.linalg.norm(self.frame.along))
+        (x, y, z), centre = self.frame.along, self.directrix.centre
+        return (x, y), x * centre[0] + y * centre[1], hypot(x, y, z)
 
     def parameters(self, points: Array) -> Array:
         """Angle and place along."""
-        level, start, steep = self._level
+        (x, y), start, steep = self._level
+        way = points[:, 0] * x + points[:, 1] * y - start
         if not self.side.part.slope:
-            return np.stack([self.directrix.parameters(points), points @ level - start], axis=1)
-        way = points @ level - start
+            return np.stack([self.directrix.parameters(points), way], axis=1)
         return np.stack([self.directrix.parameters(points - np.outer(way, self.frame.along)), way * steep], axis=1)
 
     def trace(self, path: Path, start: float, end: float) -> Geom2d_Curve:
         """A straight line for its rulings and arches, which need no look at their points."""
-        level, first, steep = self._level
+        (x, y), first, steep = self._level
         conic = self.directrix
         if isinstance(path, Straight):
-            way = float(np.dot(path.direction, level)) * steep
+            way = (path.direction[0] * x + path.direction[1] * y) * steep
             if abs(abs(way) - 1) < PARALLEL:
-                u, v = self.parameters(path.points(np.zeros(1)))[0].tolist()
-                return Geom2d_Line(gp_Pnt2d(u, v), gp_Dir2d(0.0, way))
+                (a, b, c), climb = path.origin, self.frame.along[2]
+                v = a * x + b * y - first
+                u = conic.parameter((a - v * x, b - v * y, c - v * climb))
+                return Geom2d_Line(gp_Pnt2d(u, v * steep), gp_Dir2d(0.0, way))
         elif isinstance(path, Conic) and (path.x, path.y, path.a, path.b) == (conic.x, conic.y, conic.a, conic.b):
-            v = (float(np.dot(path.centre, level)) - first) * steep
+            v = (path.centre[0] * x + path.centre[1] * y - first) * steep
             return Geom2d_Line(gp_Pnt2d(0.0, v), gp_Dir2d(1.0, 0.0))
         return super().trace(path, start, end)
 
     def arch(self, along: float) -> Conic:
         """The bow at a coordinate along the barrel [m]."""
         conic = self.directrix
-        x, y, z = (np.array(conic.centre) + self.side.place(along) - self.side.place()).tolist()
+        x, y, z = (a + b - c for a, b, c in zip(conic.centre, self.side.place(along), self.side.place(), strict=True))
         return Conic((x, y, z), conic.x, conic.y, conic.a, conic.b)
 
 

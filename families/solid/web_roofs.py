@@ -15,7 +15,6 @@ from OCP.Geom2d import Geom2d_Curve
 from OCP.gp import gp_Pnt
 from OCP.TColgp import TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
-from scipy.interpolate import make_interp_spline
 from scipy.optimize import brentq
 
 from families.declaration.pieces import Piece, Web
@@ -26,12 +25,13 @@ from families.solid.curves import Path, Point, Spline, drawn
 from families.solid.heights import WEB, WIDTH
 from families.solid.plan_cells import SAME_PLACE, Cut, Way
 from families.solid.roofs import NOTHING, Roof
+from families.solid.splines import DEGREE, interpolated
 from families.solid.surfaces import Sheet
 from families.void import kernel
 from families.void.profile_outline import half_outline
 
 Array = NDArray[np.float64]
-NODES, DEGREE = 41, 5  # along either parameter of a web
+NODES = 41  # along either parameter of a web
 AT = np.linspace(0, 1, NODES)
 LOOKS = 400  # places at which the kind of the arch is looked at
 STRAIGHT = 1e-9  # [m]
@@ -152,9 +152,10 @@ class WebSheet(Sheet):
         """Poles (n, n, 3) [mm], towards the wall and towards the rib, and the knots of both."""
         uv = np.stack(np.meshgrid(AT, AT, indexing="ij"), axis=-1).reshape(-1, 2)
         grid = self.points(uv if self.sign > 0 else uv[:, ::-1]).reshape(NODES, NODES, 3)
-        along = make_interp_spline(AT, grid, DEGREE)
-        both = make_interp_spline(AT, along.c.transpose(1, 0, 2), DEGREE)
-        return both.c.transpose(1, 0, 2), both.t
+        knots, along = interpolated(AT, grid.reshape(NODES, -1))
+        turned = along.reshape(NODES, NODES, 3).transpose(1, 0, 2).reshape(NODES, -1)
+        _, both = interpolated(AT, np.ascontiguousarray(turned))
+        return both.reshape(NODES, NODES, 3).transpose(1, 0, 2), knots
 
     @cached_property
     def geometry(self) -> Geom_Surface:
@@ -253,7 +254,8 @@ class WebRoof(Roof):
             u = v * half * on_rib
         points = self.frame.points(v, self.sign * u)
         points[[0, -1]] = ends if forward else ends[::-1]
-        spline = Spline(make_interp_spline(AT, points, DEGREE), AT)
+        knots, poles = interpolated(AT, points)
+        spline = Spline(knots, poles, AT, points)
         return Step(spline, 0.0, 1.0) if forward else Step(spline, 1.0, 0.0)
 
 
