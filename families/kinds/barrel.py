@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 
 from families.declaration.constraints import Constraint
+from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.plan import Axis, Plan
@@ -94,10 +95,10 @@ class Barrel(Vault):
         return (Piece((part,)),)
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
         """All arches."""
         for profile in coarse_arches():
-            yield cls(span_x, span_y, profile)
+            yield cls(over.span_x, over.span_y, profile)
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:
