@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 RECTANGLE, POLYGON, DISC, HALF_DISC, SECTOR = SHAPES = ("rectangle", "polygon", "disc", "half disc", "sector")
@@ -16,7 +16,7 @@ class Footprint:
 
     span_x, span_y: clear widths [m], for all but a rectangle those of the whole circle, or of that within a polygon.
     sides: of a polygon. diagonal: how far its every second side is / the first. hole: inner radius / outer radius of a
-    sector. angle: of a sector [rad].
+    sector. angle: of a sector [rad]. slope_x, slope_y: by which the ceiling over a rectangle climbs along it.
     """
 
     span_x: float
@@ -25,11 +25,20 @@ class Footprint:
     diagonal: float = 1.0
     hole: float = 0.0
     angle: float = 2 * pi
+    slope_x: float = 0.0
+    slope_y: float = 0.0
 
     @property
     def radius(self) -> float:
         """Half of the mean width [m]."""
         return (self.span_x + self.span_y) / 4
+
+    def turned(self, quarters: int) -> Footprint:
+        """A rectangle seen along axes that are turned by so many right angles."""
+        if quarters % 4 == 0:
+            return self
+        once = replace(self, span_x=self.span_y, span_y=self.span_x, slope_x=self.slope_y, slope_y=-self.slope_x)
+        return once.turned(quarters % 4 - 1)
 
     def square(self, unequal: float) -> bool:
         """Whether its spans differ by less than this share of the longer one."""

@@ -117,6 +117,11 @@ class Vault(Parametric):
         """A vault with sizes as builders chose them, for virtual scans."""
 
     @property
+    def top(self) -> float:
+        """Its highest place above the springing [m]: the crown, unless that climbs."""
+        return self.derived_values()["rise"]
+
+    @property
     def itself(self) -> bool:
         """Whether it has what makes its family; one that has lost it is another's, which says the same, and better."""
         return True

@@ -79,6 +79,11 @@ class Barrel(Vault):
         """Of the barrel, between the walls that it stands on."""
         return self.plan.axes[0]
 
+    @property
+    def top(self) -> float:
+        """The crown at the upper end [m]."""
+        return self.rise + abs(self.slope) * self.length
+
     def pieces(self) -> tuple[Piece, ...]:
         """One barrel."""
         axis = self.axis
@@ -96,9 +101,10 @@ class Barrel(Vault):
 
     @classmethod
     def first_guesses(cls, over: Footprint) -> Iterator[Self]:
-        """All arches."""
-        for profile in coarse_arches():
-            yield cls(over.span_x, over.span_y, profile)
+        """All arches, level or as steep as the ceiling."""
+        for slope in dict.fromkeys((0.0, over.slope_y)):
+            for profile in coarse_arches():
+                yield cls(over.span_x, over.span_y, profile, slope)
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import replace
 from math import cos, pi, sin
 
 import numpy as np
@@ -31,7 +30,7 @@ def starts(family: type[Vault], site: Site, demands: Demands = NONE) -> Iterator
             continue
         for over, yaw in _ways(family, ground, demands):
             for vault in _suited(_possible(family.first_guesses(over)), demands):
-                z = demands.pose.get("z", site.crown - vault.derived_values()["rise"])
+                z = demands.pose.get("z", site.crown - vault.top)
                 if z >= lowest:
                     (x, y), (c, s) = vault.plan.centre, (cos(yaw), sin(yaw))
                     yield Placed(vault, Pose(ground.x - c * x + s * y, ground.y - s * x - c * y, z, yaw))
@@ -64,7 +63,5 @@ def _ways(family: type[Vault], ground: Ground, demands: Demands) -> Iterator[tup
         quarters: tuple[int, ...] = (round((demands.pose["yaw"] - ground.yaw) / (pi / 2)),)
     else:
         quarters = (0, 1) if family.quarter_turn is None or demands.of_vault else (0,)
-    spans = ground.footprint.span_x, ground.footprint.span_y
     for quarter in quarters:
-        span_x, span_y = spans[::-1] if quarter % 2 else spans
-        yield replace(ground.footprint, span_x=span_x, span_y=span_y), ground.yaw + quarter * pi / 2
+        yield ground.footprint.turned(quarter), ground.yaw + quarter * pi / 2

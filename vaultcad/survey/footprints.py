@@ -28,6 +28,8 @@ WHOLE, HALF = np.radians(75.0), np.radians([110.0, 250.0])  # missing of a disc 
 RING = np.radians(12.0)  # missing of a ring that is whole
 HOLE, FULL = 0.1, 0.45  # inner / outer radius from which on there may be a hole, and may be no disc
 SIDES = np.arange(3, 13)
+STRIPS = 8  # across a ceiling, in which its height is looked at
+CLIMBS, BENT = 0.03, 0.15  # slope of a ramp at least; of what it climbs, how far its crown may be off a straight line
 WEBS = 0.3  # how far the normals of a ceiling must keep to the directions of a polygon, 0 to 1
 FEWEST_SIDES = 0.85  # of the best number of sides, what a lesser number must reach to be taken
 ALIGNED, FEWEST = np.cos(0.2), 10  # with a side, normals of which there must be so many
@@ -64,6 +66,32 @@ def grounds_of(points: Array, normals: Array, steep: float) -> Mapping[str, tupl
     for shape, ground in (*_turned(xy, facing, ceiling, hung), *_polygons(xy, facing, upper, hung)):
         found[shape] = (*found.get(shape, ()), ground)
     return found
+
+
+def slopes_of(xy: Array, height: Array, upwards: Array, steep: float) -> tuple[float, float]:
+    """By how much a ceiling climbs along x and y, as a ramp's does from end to end; 0 along which it does not.
+
+    Args:
+        xy: (n, 2) in plan [m].
+        height: (n,) [m].
+        upwards: (n,) of the normals.
+        steep: |nz| below which a point is rather a wall's.
+    """
+    hung = np.abs(upwards) > steep
+    x, y = (_slope(along, height[hung]) for along in xy[hung].T)
+    return x, y
+
+
+def _slope(along: Array, height: Array) -> float:
+    low, high = np.quantile(along, [0.01, 0.99]) if len(along) else (0.0, 0.0)
+    strip = np.floor((along - low) / max(high - low, 1e-9) * STRIPS).astype(np.int64)
+    tops = [np.quantile(height[strip == k], 0.95) for k in range(STRIPS) if (strip == k).sum() > FEWEST]
+    if len(tops) < STRIPS:
+        return 0.0
+    middle = low + (np.arange(STRIPS) + 0.5) / STRIPS * (high - low)
+    slope, start = np.polyfit(middle, tops, 1)
+    off = float(np.abs(np.array(tops) - slope * middle - start).max())
+    return float(slope) if off < BENT * abs(slope) * (high - low) and abs(slope) > CLIMBS else 0.0
 
 
 def _turned(xy: Array, facing: Array, ceiling: NDArray[np.bool_], hung: Array) -> Iterator[tuple[str, Ground]]:

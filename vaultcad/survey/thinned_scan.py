@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from families.declaration.footprint import RECTANGLE, Footprint
 from vaultcad.errors import NoVaultError
-from vaultcad.survey.footprints import Ground, grounds_of
+from vaultcad.survey.footprints import Ground, grounds_of, slopes_of
 
 if TYPE_CHECKING:
     from segmentation.cloud import Cloud
@@ -79,7 +79,8 @@ class Site:
     def grounds(self) -> Mapping[str, tuple[Ground, ...]]:
         """What a vault may stand over, by the shapes of footprints: the rectangle, and what normals tell of others."""
         (x, y), (a, b) = self.centre.tolist(), self.spans.tolist()
-        rectangle = Ground(Footprint(a, b), x, y, self.yaw)
+        slopes = slopes_of(turned(self.points[:, :2], self.yaw), self.points[:, 2], self.normals[:, 2], STEEP)
+        rectangle = Ground(Footprint(a, b, slope_x=slopes[0], slope_y=slopes[1]), x, y, self.yaw)
         return {RECTANGLE: (rectangle,), **grounds_of(self.points, self.normals, STEEP)}
 
 
