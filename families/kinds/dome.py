@@ -165,5 +165,5 @@ class Dome(Vault):
             return ""
         return (
             f"a dome of {self.radius:.2f} m radius, but nothing of the pendentives that it would stand on; "
-            "domes over round rooms are no family yet"
+            "over a round room it is a rotunda"
         )

@@ -109,5 +109,5 @@ class Sail(Vault):
             return ""
         return (
             f"a sphere of {self.radius:.2f} m radius that goes on beyond any square under it: a dome over a round "
-            "plan, which is no family yet"
+            "room, which is a rotunda"
         )
