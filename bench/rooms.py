@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.figures import Figure, Table, count, iou, label, number, processor, share, text
-from families import FAMILIES, Vault
+from families import FAMILIES, Vault, family
 from segmentation import compare, read
 from vaultcad.errors import VaultcadError
 from vaultcad.pipeline import fit_scan
@@ -84,18 +84,23 @@ def options(parser: argparse.ArgumentParser) -> None:
     """Those of this benchmark."""
     parser.add_argument("--rooms", type=int, default=DEFAULT, help=f"virtual scans (rooms), default {DEFAULT}")
     parser.add_argument("--first", type=int, default=FIRST, help=f"seed of the first of them (rooms), default {FIRST}")
+    parser.add_argument("--families", type=names, default=None, help="ids of those over the rooms, with commas between")
     parser.add_argument("--workers", type=int, default=1, help="processes (rooms, profiles), default 1")
 
 
 def run(chosen: argparse.Namespace) -> Iterator[Table]:
     """One row a room, then the summary, the confusion matrix and the curve of the confidence."""
     points = chosen.points // 4
+    families = chosen.families or tuple(family.id for family in FAMILIES)
     settings = {"rooms": chosen.rooms, "points": points, "first seed": chosen.first}
+    if chosen.families:
+        settings["families"] = ", ".join(families)
     outcomes: list[Outcome] = []
+    judged = partial(one, points=points, first=chosen.first, families=families)
 
     def rows() -> Iterator[tuple[Figure, ...]]:
         with ProcessPoolExecutor(chosen.workers, get_context("spawn")) as pool:
-            for outcome in pool.map(partial(one, points=points, first=chosen.first), range(chosen.rooms)):
+            for outcome in pool.map(judged, range(chosen.rooms)):
                 outcomes.append(outcome)
                 yield _told(outcome)
 
@@ -103,7 +108,7 @@ def run(chosen: argparse.Namespace) -> Iterator[Table]:
     yield Table("summary", "virtual scans of rooms", settings, SUMMARY, [_summary(outcomes)])
     ids = [family.id for family in FAMILIES]
     confusion = (label("family"), *map(number, [*ids, "refused"]), iou("IoU", 3))
-    yield Table("families", "rows true, columns found", settings, confusion, _confusion(outcomes, ids))
+    yield Table("families", "rows true, columns found", settings, confusion, _confusion(outcomes, families, ids))
     found = [o for o in outcomes if o.found]
     if found:
         said, right = np.array([o.confidence for o in found]), np.array([o.right for o in found])
@@ -112,9 +117,14 @@ def run(chosen: argparse.Namespace) -> Iterator[Table]:
         yield Table("confidence", "does the confidence hold?", settings, CURVE, curve, [brier])
 
 
-def one(k: int, points: int, first: int) -> Outcome:
-    """The k-th room: drawn, scanned, written, read, fitted, and judged."""
-    true, rng = FAMILIES[k % len(FAMILIES)], np.random.default_rng(first + k)
+def names(told: str) -> tuple[str, ...]:
+    """Ids of families, of their names in any language with commas between."""
+    return tuple(family(name).id for name in told.split(","))
+
+
+def one(k: int, points: int, first: int, families: Sequence[str]) -> Outcome:
+    """The k-th room: drawn, scanned, written, read, fitted, and judged; under one family after the other."""
+    true, rng = family(families[k % len(families)]), np.random.default_rng(first + k)
     virtual, settings = _scanned(true, points, rng)
     parts = [
         f"{settings.stations} stations" if settings.stations > 1 else "1 station",
@@ -181,9 +191,9 @@ def _summary(outcomes: Sequence[Outcome]) -> tuple[Figure, ...]:
     )
 
 
-def _confusion(outcomes: Sequence[Outcome], ids: Sequence[str]) -> Iterator[tuple[Figure, ...]]:
+def _confusion(outcomes: Sequence[Outcome], drawn: Sequence[str], ids: Sequence[str]) -> Iterator[tuple[Figure, ...]]:
     """Who was taken for whom."""
-    for name in ids:
+    for name in drawn:
         mine = [o for o in outcomes if o.true == name]
         counts = [sum(o.found == other for o in mine) for other in [*ids, ""]]
         yield name, *counts, float(np.mean([o.mean_iou for o in mine])) if mine else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from typing import TYPE_CHECKING
 
+from families.declaration.footprint import SHAPES
 from families.declaration.parameters import derived_declarations
 from families.declaration.profiles import PROFILES
 
@@ -22,7 +23,7 @@ FACTS = {
     "plan": "the half extents of its plan",
     "pieces": "the void under it",
     "rise": "the height of its crown above the springing, a derived length",
-    "first_guesses": "the vaults that a fit looks for first over a plan",
+    "first_guesses": "the vaults that a fit looks for first over what a scan shows of their plan",
     "drawn": "how a vault of it is drawn at random, of sizes as they are built",
 }
 """What has no default."""
@@ -88,6 +89,8 @@ def _names(vault: Vault) -> Iterator[tuple[str, Collection[str], Collection[str]
     yield "usual", vault.usual, sizes
     yield "alike", vault.alike, arches
     yield "raised", vault.raised, arches
-    yield "half_turn", vault.half_turn.negated, sizes | lengths
+    yield "half_turn", () if vault.half_turn is None else vault.half_turn.negated, sizes | lengths
+    yield "variants", vault.variants, sizes
+    yield "stands_over", (vault.stands_over,), SHAPES
     for constraint in vault.constraints:
         yield f"constraints: {constraint.name}", constraint.holds(vault), sizes

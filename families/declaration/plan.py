@@ -183,6 +183,24 @@ class Plan:
         return float(self.half[1])
 
     @property
+    def width(self) -> float:
+        """How wide it is where people would measure [m]: along its shorter side, or across a ring."""
+        within = [side.radius for side in self.sides if side.centre is not None and not side.inside]
+        around = [side.radius for side in self.sides if side.centre is not None and side.inside]
+        across = max(around) - min(within) if within else 2 * self.half.max()
+        return float(min(across, 2 * self.half.min()))
+
+    @property
+    def centre(self) -> Vector:
+        """Of its round sides [m]; the origin if there are none."""
+        return next((side.centre for side in self.sides if side.centre is not None), (0.0, 0.0))
+
+    @property
+    def turns(self) -> bool:
+        """Whether it is the same whichever way it is turned about its centre."""
+        return all(side.centre is not None for side in self.sides)
+
+    @property
     def on_wall_x(self) -> bool:
         """Whether the stone may stand on a wall at the ends of x."""
         return any(side.on_wall and (side.centre is not None or abs(side.normal[0]) > 0.5) for side in self.sides)

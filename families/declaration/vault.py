@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from families.declaration.constraints import Constraint
 from families.declaration.corners import Skew
 from families.declaration.facts import demand_facts
+from families.declaration.footprint import RECTANGLE, Footprint
 from families.declaration.parameters import Parametric
 from families.declaration.pieces import Piece
 from families.declaration.plan import Plan
@@ -67,9 +68,12 @@ class Vault(Parametric):
     alike: ClassVar[tuple[str, ...]] = ()  # the arches that are mostly of one kind
     raised: ClassVar[tuple[str, ...]] = ()  # the arches that spring higher than the vault itself
     quarter_turn: ClassVar[Symmetry | None]  # what a turn by 90° changes; None if it is none of the family then
-    half_turn: ClassVar[Symmetry] = Symmetry()
+    half_turn: ClassVar[Symmetry | None] = Symmetry()  # what a turn by 180° changes, likewise
 
     four_corners: ClassVar[bool] = True  # whether its plan has four corners, which may be free
+    stands_over: ClassVar[str] = RECTANGLE  # shape of the ground that a fit looks for it over, of `footprint.SHAPES`
+
+    variants: ClassVar[tuple[str, ...]] = ()  # whole numbers that say which of several kinds it is: a fit tries each
 
     skew: Skew | None = field(default=None, kw_only=True)  # where the plan is no rectangle
 
@@ -104,13 +108,18 @@ class Vault(Parametric):
 
     @classmethod
     @abstractmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
-        """Vaults over a plan of these clear widths [m], so many that a fit can begin from the nearest."""
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
+        """Vaults over ground that a scan shows, of the shape it stands over: so many that a fit can begin from one."""
 
     @classmethod
     @abstractmethod
     def drawn(cls, rng: np.random.Generator) -> Self:
         """A vault with sizes as builders chose them, for virtual scans."""
+
+    @property
+    def top(self) -> float:
+        """Its highest place above the springing [m]: the crown, unless that climbs."""
+        return self.derived_values()["rise"]
 
     @property
     def itself(self) -> bool:

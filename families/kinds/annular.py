@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import product
-from math import cos, pi, sin
+from math import cos, pi
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
 
+from families.declaration.constraints import Constraint
+from families.declaration.footprint import SECTOR, Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Turned
 from families.declaration.plan import Plan, Vector
@@ -17,6 +18,8 @@ from families.declaration.profiles import Elliptical, Profile, Semicircular
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import drawn_arch
 from families.declaration.vault import Vault
+
+COARSE_RISES = (0.2, 0.3, 0.4, 0.5, 0.75)  # over its span, of those that a fit looks for first
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,12 @@ class Annular(Vault):
     roof_type: ClassVar[str] = "BARREL_ROOF"
     ratios: ClassVar[Mapping[str, str]] = {"span": "span_ratio", "rise": "rise_ratio"}
     quarter_turn: ClassVar[Symmetry | None] = None
+    half_turn: ClassVar[Symmetry | None] = None
     four_corners: ClassVar[bool] = False
+    stands_over: ClassVar[str] = SECTOR
+    constraints: ClassVar[tuple[Constraint, ...]] = (
+        Constraint("whole-ring", "it runs all the way round its axis", {"angle": 2 * pi}, rare=True),
+    )
 
     radius: Annotated[float, Range(0.5, 60, "m", "radius of the axis in plan")] = 6.0
     span_ratio: Annotated[float, Range(0.05, 1.8, "1", "clear width at the springing / radius")] = 0.6
@@ -77,17 +85,11 @@ class Annular(Vault):
         return (Piece((Turned(curve, 0.0, ("barrel", "barrel"), self._centre, self.radius),)),)
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
-        """Quarters, thirds, halves and whole turns that cover the plan."""
-        for angle, ratio in product((pi / 3, pi / 2, 2 * pi / 3, 0.9 * pi), (0.25, 0.4, 0.5)):
-            outer = span_x / 2 / sin(angle / 2)
-            inner = (outer - span_y) / cos(angle / 2)
-            if 0.05 * outer < inner < 0.95 * outer:
-                yield cls((outer + inner) / 2, 2 * (outer - inner) / (outer + inner), angle, Elliptical(ratio))
-        for angle, share, ratio in product((pi, 1.5 * pi, 2 * pi), (0.3, 0.5, 0.7), (0.25, 0.4, 0.5)):
-            outer = span_x / 2
-            if abs(outer * (1 - cos(angle / 2)) - span_y) < 0.2 * span_y:
-                yield cls(outer * (1 + share) / 2, 2 * (1 - share) / (1 + share), angle, Elliptical(ratio))
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
+        """Flat and steep ones."""
+        outer, inner = over.radius, over.hole * over.radius
+        for ratio in COARSE_RISES:
+            yield cls((outer + inner) / 2, 2 * (outer - inner) / (outer + inner), over.angle, Elliptical(ratio))
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:

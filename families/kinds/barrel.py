@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 
 from families.declaration.constraints import Constraint
+from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.plan import Axis, Plan
@@ -86,6 +87,11 @@ class Barrel(Vault):
         (x, y), (a, b) = self.axis.origin, self.axis.across
         return float((-self.slope * ((self.corners - (x, y)) @ (-b, a))).max())
 
+    @property
+    def top(self) -> float:
+        """The crown at the upper end [m]."""
+        return self.rise + abs(self.slope) * self.length
+
     def pieces(self) -> tuple[Piece, ...]:
         """One barrel."""
         axis = self.axis
@@ -102,10 +108,11 @@ class Barrel(Vault):
         return (Piece((part,)),)
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
-        """All arches."""
-        for profile in coarse_arches():
-            yield cls(span_x, span_y, profile)
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
+        """All arches, level or as steep as the ceiling."""
+        for slope in dict.fromkeys((0.0, over.slope_y)):
+            for profile in coarse_arches():
+                yield cls(over.span_x, over.span_y, profile, slope)
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:

@@ -11,6 +11,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 
 from families.declaration.constraints import Constraint
+from families.declaration.footprint import POLYGON, Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ball, BarrelPart, Lid, Piece, cove
 from families.declaration.plan import Plan, Vector
@@ -21,7 +22,8 @@ from families.declaration.vault import Vault
 
 WALLS, PENDENTIVES, SQUINCHES = range(3)  # what it stands on: `crossing`
 CORNERS = (("south_west", -1, -1), ("south_east", 1, -1), ("north_west", -1, 1), ("north_east", 1, 1))
-SQUARE = 0.25  # of the longer side that the sides of its plan may differ by
+EIGHT = 8  # webs over a crossing
+CORNERED = 1.13  # every second side so much farther away: there are the corners of a square
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,8 @@ class Cloister(Vault):
     raised: ClassVar[tuple[str, ...]] = ("profile",)
     quarter_turn: ClassVar[Symmetry | None] = None
     four_corners: ClassVar[bool] = False
+    stands_over: ClassVar[str] = POLYGON
+    variants: ClassVar[tuple[str, ...]] = ("crossing",)
     constraints: ClassVar[tuple[Constraint, ...]] = (
         Constraint("regular", "all sides are as far from the middle", {"diagonal_ratio": 1.0}, rare=True),
         Constraint("no-drum", "the webs stand on the walls, pendentives or squinches", {"drum_ratio": 0.0}),
@@ -85,7 +89,7 @@ class Cloister(Vault):
     @property
     def webs(self) -> int:
         """How many there are: eight over a crossing."""
-        return 8 if self.crossing else self.sides
+        return EIGHT if self.crossing else self.sides
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -153,15 +157,14 @@ class Cloister(Vault):
             yield Piece((cone, BarrelPart(inwards, upright, names, corner, side=1), Lid(ring)))
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
-        """Over a plan that is about square: hexagons and octagons, flat and steep, with drums or without."""
-        if abs(span_x - span_y) > SQUARE * max(span_x, span_y):
-            return
-        radius = (span_x + span_y) / 4
-        for ratio, sides in product((0.2, 0.35, 0.5, 0.7), (3, 5, 6, 8, 10, 12)):
-            yield cls(sides, radius, Elliptical(ratio))
-        for ratio, drum, crossing in product((0.3, 0.5, 0.7), (0.0, 0.3, 0.8), (PENDENTIVES, SQUINCHES)):
-            yield cls(8, radius, Elliptical(ratio), drum, crossing=crossing)
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
+        """Flat and steep ones; where there are the corners of a square, with drums or without."""
+        if over.diagonal < CORNERED:
+            for ratio in (0.2, 0.35, 0.5, 0.7):
+                yield cls(over.sides, over.radius, Elliptical(ratio))
+        elif over.sides == EIGHT:
+            for crossing, ratio, drum in product((PENDENTIVES, SQUINCHES), (0.3, 0.5, 0.7), (0.0, 0.2, 0.5, 0.8)):
+                yield cls(EIGHT, over.radius, Elliptical(ratio), drum, crossing=crossing)
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:

@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Self
 
 import numpy as np
 
+from families.declaration.footprint import HALF_DISC, Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Turned
 from families.declaration.plan import Plan, Vector
@@ -16,7 +17,6 @@ from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import drawn_arch
 from families.declaration.vault import Vault
 
-HALF_ROUND = 0.25  # of the radius that the depth of its plan may differ by
 COARSE_RISES = (0.2, 0.3, 0.4, 0.5, 0.65)  # over its span, of those that a fit looks for first
 
 
@@ -36,7 +36,9 @@ class Conch(Vault):
     roof_type: ClassVar[str] = "DOME_ROOF"
     ratios: ClassVar[Mapping[str, str]] = {"rise": "rise_ratio"}
     quarter_turn: ClassVar[Symmetry | None] = None
+    half_turn: ClassVar[Symmetry | None] = None
     four_corners: ClassVar[bool] = False
+    stands_over: ClassVar[str] = HALF_DISC
 
     radius: Annotated[float, Range(0.5, 30, "m", "radius of the apse at the springing")] = 3.0
     profile: Profile = Semicircular()
@@ -66,11 +68,10 @@ class Conch(Vault):
         return (Piece((Turned(self.profile.curve(self.radius), 0.0, ("conch", "conch"), self._centre),)),)
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
-        """Over a plan that is about half as deep as wide."""
-        if abs(span_y - span_x / 2) < HALF_ROUND * span_x / 2:
-            for ratio in COARSE_RISES:
-                yield cls(span_x / 2, Elliptical(ratio))
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
+        """Flat and steep ones."""
+        for ratio in COARSE_RISES:
+            yield cls(over.radius, Elliptical(ratio))
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.constraints import Constraint
+from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ball, Lid, Piece, Turned
 from families.declaration.plan import Plan
@@ -124,11 +125,11 @@ class Dome(Vault):
         )
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
         """Over a plan that is about square: flat and steep domes, low and high drums."""
-        if abs(span_x - span_y) < SQUARE * max(span_x, span_y):
+        if over.square(SQUARE):
             for ratio, drum, lean in product((0.3, 0.4, 0.5, 0.65), (0.05, 0.2, 0.4, 0.7, 1.0, 1.5), (0.05, 0.4)):
-                yield cls((span_x + span_y) / 4, Elliptical(ratio), drum, lean)
+                yield cls(over.radius, Elliptical(ratio), drum, lean)
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:
@@ -164,5 +165,5 @@ class Dome(Vault):
             return ""
         return (
             f"a dome of {self.radius:.2f} m radius, but nothing of the pendentives that it would stand on; "
-            "domes over round rooms are no family yet"
+            "over a round room it is a rotunda"
         )

@@ -11,6 +11,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 
 from families.declaration.constraints import Constraint
+from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.plan import Axis, Plan
@@ -194,8 +195,9 @@ class Groin(Vault):
         )
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
         """Arches of one kind in both directions, equally high."""
+        span_x, span_y = over.span_x, over.span_y
         for kind, ratio in product(COARSE_KINDS, COARSE_RISES):
             rise = ratio * (span_x + span_y) / 2
             profiles = kind.over(rise / span_x), kind.over(rise / span_y)

@@ -11,6 +11,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 
 from families.declaration.constraints import Constraint
+from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.plan import Axis, Plan
@@ -154,8 +155,9 @@ class Lunette(Vault):
         return (Piece((barrel,)), *(Piece((part,)) for part in lunettes))
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
         """One to six lunettes a side, narrow or wide, low or high."""
+        span_x, span_y = over.span_x, over.span_y
         for profile in coarse_arches():
             if isinstance(profile, Elliptical):  # lies between the others; the lunettes make the grid large
                 continue

@@ -12,6 +12,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 
 from families.declaration.constraints import Constraint
+from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ceiling, Piece, cove
 from families.declaration.plan import Plan
@@ -123,8 +124,9 @@ class Mirror(Vault):
         return (Piece((*coves, Ceiling(self.rise, ("plane",)))),)
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
         """Narrow and wide coves, flat and steep, touched by the plane or cut."""
+        span_x, span_y = over.span_x, over.span_y
         least = min(span_x, span_y)
         for run, rise, plane in product((0.25, 0.5, 0.75, 1.0), (0.4, 0.6, 0.8, 1.0), (0.4, 0.7, 1.0)):
             runs = max(run * least / span_x, 0.1), max(run * least / span_y, 0.1)

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import product
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
 
 from families.declaration.constraints import Constraint
+from families.declaration.footprint import DISC, Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Turned
 from families.declaration.plan import Plan
 from families.declaration.profiles import Elliptical, Profile, Semicircular
 from families.declaration.symmetry import Symmetry
-from families.declaration.usual_arches import drawn_arch, either
+from families.declaration.usual_arches import drawn_arch
 from families.declaration.vault import Vault
-
-SQUARE = 0.25  # of the longer side that the sides of its plan may differ by
 
 
 @dataclass(frozen=True)
@@ -39,8 +37,9 @@ class Rotunda(Vault):
     raised: ClassVar[tuple[str, ...]] = ("profile",)
     quarter_turn: ClassVar[Symmetry | None] = Symmetry()
     four_corners: ClassVar[bool] = False
+    stands_over: ClassVar[str] = DISC
     constraints: ClassVar[tuple[Constraint, ...]] = (
-        Constraint("no-drum", "the dome stands on the walls, or was scanned alone", {"drum_ratio": 0.0}),
+        Constraint("no-drum", "the dome stands on the walls, or was scanned alone", {"drum_ratio": 0.0}, rare=True),
     )
 
     radius: Annotated[float, Range(0.5, 30, "m", "radius of dome and drum")] = 3.0
@@ -73,14 +72,12 @@ class Rotunda(Vault):
         return (Piece((Turned(curve, self.drum_height, names),)),)
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
-        """Over a plan as wide as deep: flat and steep domes, with drums or without."""
-        if abs(span_x - span_y) < SQUARE * max(span_x, span_y):
-            for ratio, drum in product((0.2, 0.3, 0.4, 0.5, 0.65), (0.0, 0.3, 0.8)):
-                yield cls((span_x + span_y) / 4, Elliptical(ratio), drum)
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
+        """Flat and steep domes; a scan tells no drum from the wall under it."""
+        for ratio in (0.2, 0.3, 0.4, 0.5, 0.65):
+            yield cls(over.radius, Elliptical(ratio))
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:
-        """With a drum or without one."""
-        profile = drawn_arch(rng, "semicircular", "segmental", "pointed")
-        return cls(rng.uniform(1.5, 4.5), profile, either(rng, 0.5, 0.0, 0.2, 0.7))
+        """Without a drum, which a scan does not tell from the wall under it."""
+        return cls(rng.uniform(1.5, 4.5), drawn_arch(rng, "semicircular", "segmental", "pointed"))

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.constraints import Constraint
+from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ball, Piece
 from families.declaration.plan import Plan, Vector
@@ -88,10 +89,10 @@ class Sail(Vault):
         return (Piece((Ball(self.rise - self.radius, self.radius, ("sail",), self._centre),)),)
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
         """All rises."""
         for ratio in np.linspace(0.1, 1, 13).tolist():
-            yield cls(span_x, span_y, ratio)
+            yield cls(over.span_x, over.span_y, ratio)
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:
@@ -108,5 +109,5 @@ class Sail(Vault):
             return ""
         return (
             f"a sphere of {self.radius:.2f} m radius that goes on beyond any square under it: a dome over a round "
-            "plan, which is no family yet"
+            "room, which is a rotunda"
         )

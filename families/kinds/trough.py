@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 
 from families.declaration.constraints import Constraint
+from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece, cove
 from families.declaration.plan import Plan, Side
@@ -105,8 +106,9 @@ class Trough(Vault):
         return (Piece((barrel, *heads)),)
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
         """All arches, with steep and flat heads."""
+        span_x, span_y = over.span_x, over.span_y
         for profile, run in product(coarse_arches(), (0.5, 0.75, 1.0, 1.4)):
             ratio = min(max(run * span_x / span_y, 0.1), 1.0)
             yield cls(span_x, span_y, profile, ratio, ratio)

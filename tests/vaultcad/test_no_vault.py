@@ -122,8 +122,18 @@ def hemisphere(rng: np.random.Generator, *, oculus: float = 0.0, walls: float = 
 )
 def test_a_dome_over_a_round_plan_gets_no_corners(family: type[Vault], shape: dict[str, float]) -> None:
     xyz = hemisphere(np.random.default_rng(1), **shape)
-    with pytest.raises(NoVaultError, match=r"(3\.00|3\.01|2\.99) m radius.*no family yet"):
+    with pytest.raises(NoVaultError, match=r"(3\.00|3\.01|2\.99) m radius.*is a rotunda"):
         fit_scan(Cloud(xyz.astype(np.float32)), FitSettings(families=(family,)))
+
+
+@pytest.mark.parametrize(
+    "shape", [{}, {"oculus": 0.6}, {"walls": 4.0}, {"walls": 4.0, "oculus": 0.6}], ids=lambda shape: "-".join(shape)
+)
+def test_a_dome_over_a_round_plan_is_a_rotunda(shape: dict[str, float]) -> None:
+    (fitted,) = fit_scan(Cloud(hemisphere(np.random.default_rng(1), **shape).astype(np.float32))).model.vaults
+    assert fitted.vault.kinds == {"profile": "semicircular"}
+    assert fitted.vault.values() == pytest.approx({"radius": 3.0, "drum_ratio": 0.0}, abs=0.005)
+    assert (fitted.pose.x, fitted.pose.y, fitted.pose.z, fitted.pose.yaw) == pytest.approx((0, 0, 0, 0), abs=0.02)
 
 
 def test_reveals_that_go_far_up_do_not_hide_a_vault() -> None:

@@ -176,7 +176,7 @@ def test_settlement_has_its_amplitude_is_continuous_and_leaves_the_floor(family:
     vault = family()
     vertices = vault_triangles(vault).vertices
     half = (vault.plan.half_x, vault.plan.half_y)
-    settle = draw_settlement(vertices, half, 1.5, 0.03, np.random.default_rng(5))
+    settle = draw_settlement(vertices, vault.plan, 1.5, 0.03, np.random.default_rng(5))
     assert np.linalg.norm(settle(vertices), axis=1).max() == pytest.approx(0.03)
     rng = np.random.default_rng(6)
     points = rng.uniform([-half[0], -half[1], -3], [half[0], half[1], vertices[:, 2].max()], (20_000, 3))
@@ -281,7 +281,7 @@ def test_draws_are_realistic_and_varied(family: type[Vault]) -> None:
     drawn = [draw(family, np.random.default_rng(seed)) for seed in range(60)]
     for vault, settings in drawn:
         assert isinstance(vault, family)
-        assert 2.5 <= 2 * min(vault.plan.half_x, vault.plan.half_y) <= 9
+        assert (2.5 if family.four_corners else 1.5) <= vault.plan.width <= 9
         assert settings.noise <= 0.005
         assert settings.settlement <= 0.05
         assert settings.holes <= 0.15

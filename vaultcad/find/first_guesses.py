@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from math import pi
+from math import cos, pi, sin
 
 import numpy as np
 
 from families import Vault
+from families.declaration.footprint import RECTANGLE, Footprint
 from vaultcad.fit.freedom import NONE, SPRINGING, Demands
 from vaultcad.fit.solve import Placed
 from vaultcad.model import Pose
+from vaultcad.survey.footprints import Ground
 from vaultcad.survey.thinned_scan import Site
 
 NARROWEST = 0.5  # m; no family spans less
@@ -23,15 +25,15 @@ def starts(family: type[Vault], site: Site, demands: Demands = NONE) -> Iterator
     Sizes that are fixed are as they should be; a yaw that is fixed leaves the one quarter turn that is nearest to it.
     """
     lowest = -np.inf if SPRINGING.name in demands.freed else site.bottom - 0.5
-    x, y = site.centre.tolist()
-    if site.spans.min() < NARROWEST:
-        return
-    for quarter in _quarters(family, site, demands):
-        spans = site.spans[::-1] if quarter % 2 else site.spans
-        for vault in _suited(_possible(family.first_guesses(float(spans[0]), float(spans[1]))), demands):
-            z = demands.pose.get("z", site.crown - vault.derived_values()["rise"])
-            if z >= lowest:
-                yield Placed(vault, Pose(x, y, z, site.yaw + quarter * pi / 2))
+    for ground in site.grounds.get(family.stands_over, ()):
+        if min(ground.footprint.span_x, ground.footprint.span_y) < NARROWEST:
+            continue
+        for over, yaw in _ways(family, ground, demands):
+            for vault in _suited(_possible(family.first_guesses(over)), demands):
+                z = demands.pose.get("z", site.crown - vault.top)
+                if z >= lowest:
+                    (x, y), (c, s) = vault.plan.centre, (cos(yaw), sin(yaw))
+                    yield Placed(vault, Pose(ground.x - c * x + s * y, ground.y - s * x - c * y, z, yaw))
 
 
 def _possible(grid: Iterator[Vault]) -> Iterator[Vault]:
@@ -52,8 +54,14 @@ def _suited(grid: Iterator[Vault], demands: Demands) -> Iterator[Vault]:
                 yield begun
 
 
-def _quarters(family: type[Vault], site: Site, demands: Demands) -> tuple[int, ...]:
-    """Quarter turns of the site's axes to try."""
+def _ways(family: type[Vault], ground: Ground, demands: Demands) -> Iterator[tuple[Footprint, float]]:
+    """The footprint, and the yaw of a vault over it: a rectangle from either side, if that makes a difference."""
+    if family.stands_over != RECTANGLE:
+        yield ground.footprint, ground.yaw
+        return
     if "yaw" in demands.pose:
-        return (round((demands.pose["yaw"] - site.yaw) / (pi / 2)),)
-    return (0, 1) if family.quarter_turn is None or demands.of_vault else (0,)
+        quarters: tuple[int, ...] = (round((demands.pose["yaw"] - ground.yaw) / (pi / 2)),)
+    else:
+        quarters = (0, 1) if family.quarter_turn is None or demands.of_vault else (0,)
+    for quarter in quarters:
+        yield ground.footprint.turned(quarter), ground.yaw + quarter * pi / 2

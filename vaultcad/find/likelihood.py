@@ -75,7 +75,7 @@ class Field:
         if usable.sum() < ENOUGH:
             return None
         plan, rise = placed.vault.plan, placed.vault.derived_values()["rise"]
-        fields = smooth_fields(blocks.place[usable], blocks.normal[usable], (plan.half_x, plan.half_y), rise)
+        fields = smooth_fields(blocks.place[usable], blocks.normal[usable], plan, rise)
         pairs = [np.linalg.eigh(field) for field in fields]
         values = tuple(np.maximum(pair[0], 0.0) for pair in pairs)
         return cls(evidence, scale, blocks, usable, values, tuple(pair[1] for pair in pairs))
@@ -181,7 +181,7 @@ def _log_within(ends: Array, mean: float, variance: float) -> float:
 def _near_edges(placed: Placed, points: Array) -> NDArray[np.bool_]:
     """Which points (n, 3) lie so near to an edge, of two components or of a wall, that they may be of either."""
     plan = placed.vault.plan
-    reach = min(EDGE, EDGE_SHARE * 2 * min(plan.half_x, plan.half_y))
+    reach = min(EDGE, EDGE_SHARE * plan.width)
     frame = placed.pose.frame()
     local = points @ frame[:, :3].T + frame[:, 3]
     surface = placed.vault.evaluate(local, walls=True)

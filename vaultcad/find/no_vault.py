@@ -51,9 +51,9 @@ def check(refined: Refined, site: Site, tolerance: float) -> None:
     placed = refined.placed
     vault, plan = placed.vault, placed.vault.plan
     local = site.points @ placed.pose.frame()[:, :3].T + placed.pose.frame()[:, 3]
-    inside = (np.abs(local[:, 0]) < plan.half_x) & (np.abs(local[:, 1]) < plan.half_y)
+    inside = plan.holds(local[:, :2])
     above = inside & (local[:, 2] > 0) & (np.abs(site.normals[:, 2]) > STEEP)
-    rise, short = vault.derived_values()["rise"], 2 * min(plan.half_x, plan.half_y)
+    rise, short = vault.derived_values()["rise"], plan.width
     spread = float(np.ptp(np.quantile(local[above, 2], MOST))) if above.any() else 0.0
     if rise < FLAT * short or spread < LEVEL_CEILING * short:
         raise NoVaultError(

@@ -24,7 +24,7 @@ from vaultcad.survey.thinned_scan import Site
 Array = NDArray[np.float64]
 
 PAYS = 10.0  # by so much the score must fall for that
-TRIED = 3  # starts of a family along an axis
+TRIED = 3  # starts of a variant of a family along an axis
 COARSE, MIDDLE, FINE = 0.15, 0.1, 0.05  # m, scales of the loss
 FLOOR = 2e-3  # m; below this no scanner tells two models apart
 CLOSE = 1e-3  # share of the cost that a step must still gain
@@ -103,10 +103,14 @@ def confidence(hypotheses: Sequence[Hypothesis]) -> list[float]:
 
 
 def _rough(family: type[Vault], site: Site, few: Evidence, some: Evidence, demands: Demands) -> list[Placed]:
-    """The best of a few starts, `TRIED` along each axis that there is to choose, refined with a wide loss."""
+    """The best of a few starts, `TRIED` of each variant along each axis to choose, refined with a wide loss."""
+
+    def kind(placed: Placed) -> tuple[float, ...]:
+        return placed.pose.yaw, *(getattr(placed.vault, name) for name in family.variants)
+
     solved = []
-    for _, turned in groupby(starts(family, site, demands), key=lambda placed: placed.pose.yaw):
-        grid = list(turned)
+    for _, alike in groupby(starts(family, site, demands), key=kind):
+        grid = list(alike)
         for k in np.argsort([few.cost(placed, COARSE) for placed in grid], kind="stable")[:TRIED]:
             free = demands.freedom(grid[k].vault, demands.begun_with(grid[k].vault))
             solved.append(some.solve(grid[k], free, (0.3, MIDDLE), most=8).placed)

@@ -121,8 +121,8 @@ class _Search:
         found = self._without_arches(region)
         vault = found.placed.vault
         seen = self._explained([found], region) * self.ceiling.cell**2
-        short = 2 * min(vault.plan.half_x, vault.plan.half_y)
-        area = 4 * vault.plan.half_x * vault.plan.half_y
+        short = vault.plan.width
+        area = vault.plan.area
         if part and (short < NARROW or area < LEAST):
             raise NoVaultError(
                 f"no vault found: a {vault.title} {short:.1f} m wide over {area:.1f} m² is an arch, if any"

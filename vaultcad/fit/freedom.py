@@ -116,15 +116,16 @@ class Demands:
                 values |= constraint.values
                 ties += [constraint.follows] if constraint.follows else []
         names = tuple(p.name for p in vault.parameters() if not p.integer and p.name not in taken)
-        return Freedom(names, values, tuple(ties), self.pose)
+        return Freedom(names, values, tuple(ties), {"yaw": 0.0, **self.pose} if vault.plan.turns else self.pose)
 
     def keepable(self, vault: Vault) -> tuple[Constraint, ...]:
         """The constraints of a vault that nobody has let go."""
         return tuple(c for c in vault.constraints if c.name not in self.freed)
 
     def begun_with(self, vault: Vault) -> tuple[Constraint, ...]:
-        """Those of them that a fit begins with."""
-        return tuple(c for c in self.keepable(vault) if c.rare)
+        """Those of them that a fit begins with: that seldom fail, and that the vault does not break."""
+        own = vault.values()
+        return tuple(c for c in self.keepable(vault) if c.rare and all(own[k] == v for k, v in c.values.items()))
 
 
 NONE = Demands()

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from families.declaration.plan import Plan
 from families.declaration.vault import Surface
 from vaultcad.fit.solve import Placed, Solution
 
@@ -28,7 +29,7 @@ STRENGTHS = np.geomspace(1e-4, 0.06, 28)  # m, standard deviation of the waves a
 GIVING = 1.5  # standard deviation of the springings' and the crown's motion / that of the waves
 ROUGHNESSES = np.geomspace(1e-4, 0.03, 24)  # m, standard deviation of a block's mean from the smooth field
 FAINT = 1e-4  # share of the variance that is let go, to be quick
-LENGTHS = (0.3, 0.5, 0.8)  # of the waves / shorter span
+LENGTHS = (0.3, 0.5, 0.8)  # of the waves / width of the plan
 STRENGTH, STRENGTH_SPREAD = 0.01, 0.7  # m, of a vault that has moved by 3 cm at most; spread of its logarithm
 LENGTH, LENGTH_SPREAD = 0.5, 0.5  # waves are from one to three spans long; spread of the logarithm
 PRIOR: Array = -0.5 * (
@@ -125,12 +126,12 @@ def _blocks(local: Array, face: NDArray[np.int64]) -> NDArray[np.int64]:
         edge *= COARSER
 
 
-def motion(blocks: Blocks, half: tuple[float, float], rise: float) -> Array:
+def motion(blocks: Blocks, plan: Plan, rise: float) -> Array:
     """Covariance (m, m) [m²] of the blocks' motion along their normals, roughness included, given their residuals.
 
-    half: half extents of the plan [m]. rise: of the crown above the springing [m].
+    plan: of the vault. rise: of its crown above the springing [m].
     """
-    shapes = smooth_fields(blocks.place, blocks.normal, half, rise)
+    shapes = smooth_fields(blocks.place, blocks.normal, plan, rise)
     likely = np.stack([_log_likelihood(shape, blocks) for shape in shapes])
     likely += PRIOR[:, :, None]
     share = np.exp(likely - likely.max())
@@ -142,21 +143,21 @@ def motion(blocks: Blocks, half: tuple[float, float], rise: float) -> Array:
     return out
 
 
-def smooth_fields(place: Array, normal: Array, half: tuple[float, float], rise: float) -> list[Array]:
+def smooth_fields(place: Array, normal: Array, plan: Plan, rise: float) -> list[Array]:
     """Covariances (m, m) of blocks at (m, 3) [m] with normals (m, 3) along these, for waves of each of `LENGTHS`.
 
-    half: half extents of the plan [m]. rise: of the crown above the springing [m]. They are of unit strength.
+    plan: of the vault. rise: of its crown above the springing [m]. They are of unit strength.
     """
     apart = ((place[:, None] - place[None]) ** 2).sum(axis=2)
     alike = normal @ normal.T
-    modes = _modes(place, normal, half, rise)
-    return [np.exp(-0.5 * apart / (length * 2 * min(half)) ** 2) * alike + modes @ modes.T for length in LENGTHS]
+    modes = _modes(place, normal, plan, rise)
+    return [np.exp(-0.5 * apart / (length * plan.width) ** 2) * alike + modes @ modes.T for length in LENGTHS]
 
 
-def _modes(place: Array, normal: Array, half: tuple[float, float], rise: float) -> Array:
+def _modes(place: Array, normal: Array, plan: Plan, rise: float) -> Array:
     """How blocks (m, 3) move along their normals when the springings spread in x and in y, and the crown falls."""
     height = np.clip(place[:, 2] / max(rise, 1e-3), 0, 1)
-    x, y = (np.clip(place[:, k] / half[k], -1, 1) for k in (0, 1))
+    x, y = (np.clip(place[:, k] / plan.half[k], -1, 1) for k in (0, 1))
     return GIVING * np.stack([x * (1 - height), y * (1 - height), -height], axis=1) * normal
 
 

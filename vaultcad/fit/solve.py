@@ -155,7 +155,8 @@ def _slopes(placed: Placed, points: Array) -> tuple[Array, Callable[[Placed], Ar
 
     def moves(other: Placed) -> Array:
         _, bodies, outline = other.packed()
-        if len(bodies) != len(table):  # a trough that is just not yet a cloister
+        # A trough that is just not yet a cloister, a sector that just takes another arc.
+        if len(bodies) != len(table) or len(outline) != len(plan):
             return np.asarray(kernel.distances(points, frame, bodies, outline) - asked)
         there = kernel.to_rows(points, frame, bodies, outline, rows)
         # A point just above the axis of one side of a barrel may come to lie behind it, where that body ends.

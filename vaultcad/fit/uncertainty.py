@@ -30,7 +30,7 @@ def covariance(solution: Solution, points: Array) -> Covariance:
     """
     blocks, placed = block_means(solution, points), solution.placed
     plan = placed.vault.plan
-    moved = motion(blocks, (plan.half_x, plan.half_y), placed.vault.derived_values()["rise"])
+    moved = motion(blocks, plan, placed.vault.derived_values()["rise"])
 
     hessian = (solution.jacobian.T * solution.weights) @ solution.jacobian
     vague = _vague(solution)

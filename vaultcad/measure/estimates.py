@@ -33,7 +33,7 @@ def estimates(
     """
     vault, slopes = solution.placed.vault, slopes_of_sizes(solution)
     told = information(solution, points, sight)
-    short = 2 * min(vault.plan.half_x, vault.plan.half_y)
+    short = vault.plan.width
 
     def estimate(name: str, value: float, of: Range | Derived, weak: float, *, derived: bool) -> Estimate:
         own = covariance.std(slopes[name])

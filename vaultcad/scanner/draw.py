@@ -9,6 +9,7 @@ import numpy as np
 from families import Vault, family
 from families.declaration.usual_arches import either
 from vaultcad.find.identity import is_its_family
+from vaultcad.scanner.places import needed
 from vaultcad.scanner.settings import ScannerSettings
 
 
@@ -36,7 +37,7 @@ def _settings(vault: Vault, rng: np.random.Generator) -> ScannerSettings:
     piers, far = rng.random() < 0.3, rng.random() < 0.35
     place = (rng.uniform(2e5, 8e5), rng.uniform(4e6, 6e6), rng.uniform(0, 900))
     return ScannerSettings(
-        stations=int(rng.integers(1, 4)),
+        stations=max(int(rng.integers(1, 4)), needed(vault.plan)),
         noise=rng.uniform(0.0006, 0.005),
         mixed=rng.uniform(0.1, 0.4),
         registration_shift=rng.uniform(0.001, 0.004),

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
+from vaultcad.scanner.places import middle_line
 from vaultcad.scanner.settings import ScannerSettings
-from vaultcad.scanner.triangles import Triangles, box, tube
+from vaultcad.scanner.triangles import Triangles, box, prism, tube
+from vaultcad.scanner.walls import any_of, walls_of
 
 Array = NDArray[np.float64]
 
@@ -38,7 +40,7 @@ def _tie_rods(vault: Vault, settings: ScannerSettings, rng: np.random.Generator)
 
 def _lamp(vault: Vault, settings: ScannerSettings, rng: np.random.Generator) -> list[Triangles]:
     """A shade on a chain near the middle, about the springing or as high as the headroom asks."""
-    x, y = rng.uniform(-0.08, 0.08, 2) * (vault.plan.half_x, vault.plan.half_y)
+    x, y = middle_line(vault.plan, [0.5])[0] + rng.uniform(-0.08, 0.08, 2) * vault.plan.half
     crown = _height_of(vault, x, y)
     bottom = min(max(rng.uniform(-0.4, 0.1), HEADROOM - settings.wall_height), crown - 0.5)
     radius, height = rng.uniform(0.18, 0.4), rng.uniform(0.2, 0.35)
@@ -58,18 +60,18 @@ def _height_of(vault: Vault, x: float, y: float) -> float:
 
 def _furniture(vault: Vault, settings: ScannerSettings, stations: Array, rng: np.random.Generator) -> list[Triangles]:
     """Boxes against the walls; one that would come too near to a station is left out."""
-    half, floor = np.array([vault.plan.half_x, vault.plan.half_y]), -settings.wall_height
+    walls, floor = walls_of(vault.plan), -settings.wall_height
     parts = []
     for _ in range(settings.furniture):
-        axis, sign = int(rng.integers(2)), rng.choice([-1, 1])
+        wall = any_of(walls, rng)
         width, depth, height = rng.uniform(0.6, 1.8), rng.uniform(0.3, 0.6), rng.uniform(0.6, 2.1)
         bright = rng.uniform(0.15, 0.5)
-        low, high = np.full(3, floor), np.full(3, floor + min(height, 0.8 * settings.wall_height))
-        middle = rng.uniform(-1, 1) * max(0.0, half[1 - axis] - width / 2)
-        low[1 - axis], high[1 - axis] = middle - width / 2, middle + width / 2
-        low[axis], high[axis] = np.sort(sign * (half[axis] - np.array([0.02, 0.02 + depth])))
-        if _clear(low, high, stations):
-            parts.append(box(low.tolist(), high.tolist(), float(bright)))
+        middle = rng.uniform(-1, 1) * max(0.0, wall.half_length - width / 2)
+        ends = (middle - width / 2, middle + width / 2)
+        corners = np.array([wall.at(along, -d) for along in ends for d in (0.02, 0.02 + depth)])
+        if _clear(corners.min(axis=0), corners.max(axis=0), stations):
+            top = floor + min(height, 0.8 * settings.wall_height)
+            parts.append(prism(corners, (floor, top), float(bright)))
     return parts
 
 
@@ -101,10 +103,7 @@ def _clear(low: Array, high: Array, stations: Array) -> bool:
 
 
 def _cornice(vault: Vault) -> list[Triangles]:
-    """Two fillets along all four walls, just below the springing."""
-    a, b = vault.plan.half_x, vault.plan.half_y
-    parts = []
-    for out, low, high in ((0.06, -0.22, -0.12), (0.14, -0.12, -0.02)):
-        parts += [box([-a, s * b - out, low], [a, s * b + out, high], STUCCO) for s in (-1, 1)]
-        parts += [box([s * a - out, -b, low], [s * a + out, b, high], STUCCO) for s in (-1, 1)]
-    return parts
+    """Two fillets along all walls, just below the springing."""
+    walls = [wall for pair in walls_of(vault.plan) for wall in pair]
+    fillets = ((0.06, (-0.22, -0.12)), (0.14, (-0.12, -0.02)))
+    return [part for out, levels in fillets for wall in walls for part in wall.bar((-out, out), levels, STUCCO)]

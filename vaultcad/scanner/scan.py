@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from families import Vault
 from vaultcad.scanner import room, truth
+from vaultcad.scanner.places import about
 from vaultcad.scanner.settings import ScannerSettings
 from vaultcad.scanner.settle import draw_settlement
 from vaultcad.scanner.shoot import Shots, Target, aim, sweep
@@ -60,9 +61,7 @@ def scan(vault: Vault, settings: ScannerSettings | None = None, *, rng: np.rando
     stations = _draw_stations(vault, settings, place)
     still = room.build(vault, settings, stations, build)
     ideal = still.vertices[np.unique(still.triangles[still.component > 0])]
-    settlement = draw_settlement(
-        ideal, (vault.plan.half_x, vault.plan.half_y), min(FOOTING, settings.wall_height), settings.settlement, settle
-    )
+    settlement = draw_settlement(ideal, vault.plan, min(FOOTING, settings.wall_height), settings.settlement, settle)
     target = aim(replace(still, vertices=still.vertices + settlement(still.vertices)), surface)
 
     bounds = _bounds(vault, settings)
@@ -95,12 +94,11 @@ def _draw_stations(vault: Vault, settings: ScannerSettings, rng: np.random.Gener
     Raises:
         ValueError: there is no room for the scanner under the vault.
     """
-    count = settings.stations
-    half = np.array([vault.plan.half_x, vault.plan.half_y])
+    count, plan = settings.stations, vault.plan
     angle = rng.uniform(0, 2 * pi) + 2 * pi * np.arange(count) / count + rng.uniform(-0.3, 0.3, count)
     share = rng.uniform(0.1, 0.35, count) if count == 1 else rng.uniform(0.2, 0.5, count)
     height = settings.station_height + rng.uniform(-0.05, 0.05, count) - settings.wall_height
-    stations = np.column_stack([share * np.cos(angle) * half[0], share * np.sin(angle) * half[1], height])
+    stations = np.column_stack([about(plan, np.column_stack([share * np.cos(angle), share * np.sin(angle)])), height])
     room_left = -vault.distance(stations, walls=True)
     if (room_left < CLEARANCE).any():
         raise ValueError(
@@ -114,7 +112,7 @@ def _bounds(vault: Vault, settings: ScannerSettings) -> Array:
     """Low and high corner of what is kept, in the vault's frame (2, 3) [m]."""
     if not settings.crop:
         return np.array([[-np.inf] * 3, [np.inf] * 3])
-    reach = np.array([vault.plan.half_x, vault.plan.half_y]) + max(settings.crop_margin, settings.settlement)
+    reach = vault.plan.half + max(settings.crop_margin, settings.settlement)
     return np.array([[*-reach, -settings.crop_margin], [*reach, np.inf]])
 
 

@@ -13,12 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from families.declaration.plan import Plan
 from vaultcad.scanner.waves import Waves, draw_waves
 
 Array = NDArray[np.float64]
 
 MODES = 5  # waves an axis: few, as settlement is smooth
-LONGEST_WAVE = 3.0  # longest wave / shorter span
+LONGEST_WAVE = 3.0  # longest wave / width of the plan
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,14 +46,12 @@ class Settlement:
         return field * (self.scale * _smoothstep(points[:, 2] / self.depth + 1))[:, None]
 
 
-def draw_settlement(
-    vault: Array, half: tuple[float, float], depth: float, amplitude: float, rng: np.random.Generator
-) -> Settlement:
+def draw_settlement(vault: Array, plan: Plan, depth: float, amplitude: float, rng: np.random.Generator) -> Settlement:
     """A random settlement whose largest displacement over the points `vault` (n, 3) [m] is `amplitude` [m].
 
-    half: half extents of the plan [m]; depth: below the springing, where motion ends [m].
+    depth: below the springing, where motion ends [m].
     """
-    short = 2 * min(half)
+    half, short = (plan.half_x, plan.half_y), plan.width
     spread = rng.uniform(1, 4, 3)
     waves = (
         draw_waves(MODES, short, LONGEST_WAVE * short, rng),

@@ -48,10 +48,16 @@ def rectangle(corner: ArrayLike, u: ArrayLike, v: ArrayLike, reflectance: float)
 
 def box(low: Sequence[float], high: Sequence[float], reflectance: float) -> Triangles:
     """Closed box between two corners [m], along the axes."""
-    corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+    return prism([(x, y) for x in (low[0], high[0]) for y in (low[1], high[1])], (low[2], high[2]), reflectance)
+
+
+def prism(corners: Iterable[ArrayLike], levels: tuple[float, float], reflectance: float) -> Triangles:
+    """Closed upright prism over the four corners (2,) [m] of about a rectangle, in any order, between two levels."""
+    # From left to right, those in the middle are neither on one edge.
+    plan = sorted(tuple(np.asarray(corner, np.float64).tolist()) for corner in corners)
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     triangles = [t for a, b, c, d in quads for t in ([a, b, c], [a, c, d])]
-    return plain(corners, np.array(triangles), reflectance)
+    return plain(np.array([[*xy, z] for xy in plan for z in levels]), np.array(triangles), reflectance)
 
 
 def tube(

@@ -23,6 +23,7 @@ STEEP = 0.25  # |nz| of what may be a wall; a scan that leans by more than some 
 SCALES = (0.1, 0.05, 0.03)  # of n · up, beyond which a normal is rather a haunch's
 FEWEST_ON_WALLS = 300  # points of walls that tell a vertical
 CROSSING = 0.05  # share of the normals' spread along the second direction: walls in one direction leave one tilt open
+PLUMB, WALLS = 0.05, 0.42  # of n · up, that a wall is within; share of what is steep that must be, as haunches are not
 FLOOR = 0.02  # m; half a layer of points that are a floor
 LEAST, ALONE = np.radians(0.2), np.radians(0.7)  # what is taken for upright, with and without a floor that says so too
 LARGEST_LEAN = np.radians(8.0)  # more is no lean of a room
@@ -107,7 +108,10 @@ def _tilt(up: Array) -> float:
 
 
 def _by_walls(normals: Array) -> Array | None:
-    """The direction (3,) that wall normals are square to; None if there are too few, or in one direction only."""
+    """The direction (3,) that wall normals are square to; None if there are too few, or in one direction only.
+
+    Haunches alone tell none: where there are more on one side, as over an apse, they would seem to lean.
+    """
     up = np.array([0.0, 0.0, 1.0])
     steep = normals[np.abs(normals[:, 2]) < STEEP]
     if len(steep) < FEWEST_ON_WALLS:
@@ -118,6 +122,8 @@ def _by_walls(normals: Array) -> Array | None:
             weight = 1 / (1 + ((steep @ up) / scale) ** 2) ** 2
             values, vectors = np.linalg.eigh((steep.T * weight) @ steep)
             up = vectors[:, 0] * np.sign(vectors[2, 0] or 1.0)
+    if (np.abs(steep @ up) < PLUMB).mean() < WALLS:
+        return None
     return up if values[1] > CROSSING * values[2] else None
 
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from families.declaration.footprint import RECTANGLE, Footprint
 from vaultcad.errors import NoVaultError
+from vaultcad.survey.footprints import Ground, grounds_of, slopes_of
 
 if TYPE_CHECKING:
     from segmentation.cloud import Cloud
@@ -28,6 +32,7 @@ SPREAD = 0.25, 0.5  # m, and the share of a side's strips of that width that a w
 STEEP = 0.3  # |nz| below which a point weighs as a wall
 FLOOR_NORMAL = 0.9  # |nz| of a floor at the least
 PEAK = 5.0  # how far the most frequent direction of the walls must stand above the middling one
+SECOND = 0.5  # of the most frequent direction, how frequent that halfway between is over an octagon
 # m, depth and width of the strips where the end of the stone is looked for; points
 RIM, STRIP, STRIP_POINTS = 0.3, 0.1, 12
 BIN = 0.03  # m, of the histograms along the plan's axes
@@ -69,6 +74,14 @@ class Site:
         """(2,) of the rectangle [m]."""
         spans: Array = self.high - self.low
         return spans
+
+    @cached_property
+    def grounds(self) -> Mapping[str, tuple[Ground, ...]]:
+        """What a vault may stand over, by the shapes of footprints: the rectangle, and what normals tell of others."""
+        (x, y), (a, b) = self.centre.tolist(), self.spans.tolist()
+        slopes = slopes_of(turned(self.points[:, :2], self.yaw), self.points[:, 2], self.normals[:, 2], STEEP)
+        rectangle = Ground(Footprint(a, b, slope_x=slopes[0], slope_y=slopes[1]), x, y, self.yaw)
+        return {RECTANGLE: (rectangle,), **grounds_of(self.points, self.normals, STEEP)}
 
 
 @dataclass(frozen=True)
@@ -207,11 +220,20 @@ def yaw_of(points: Array, normals: Array) -> float:
     k = int(np.argmax(smooth))
     if smooth[k] < PEAK * np.median(smooth) or use.sum() < 100:
         return _least_rectangle(points[:, :2])
-    centre = (k + 0.5) / bins * np.pi / 2
+    # Over an octagon there are two: that of the square about it is narrower.
+    other = (k + bins // 2) % bins
+    if smooth[other] > SECOND * smooth[k]:
+        k = min(k, other, key=lambda at: float(np.prod(np.ptp(turned(points[:, :2], _middle(at, bins)), axis=0))))
+    centre = _middle(k, bins)
     off = np.mod(angle[use] - centre + np.pi / 4, np.pi / 2) - np.pi / 4
     near = np.abs(off) < np.radians(4)
     yaw = centre + float(np.median(off[near]))
     return float(np.mod(yaw + np.pi / 4, np.pi / 2) - np.pi / 4)
+
+
+def _middle(k: int, bins: int) -> float:
+    """Of a bin of a right angle [rad]."""
+    return (k + 0.5) / bins * np.pi / 2
 
 
 def _least_rectangle(xy: Array) -> float:

@@ -1,0 +1,203 @@
+"""Where footprints other than a rectangle may lie under a scan's ceiling, told by the way its normals face.
+
+What turns about an upright axis has normals whose horizontal parts all point to that; the webs over a polygon have
+them in as many directions as it has sides. Other scans show neither, so that the families over such footprints cost
+them nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families.declaration.footprint import DISC, HALF_DISC, POLYGON, SECTOR, Footprint
+
+Array = NDArray[np.float64]
+
+SLANT = 0.3  # horizontal part of normals that tell a direction, at least
+LOOKED_AT, PAIRS = 4000, 300  # points, and pairs of their normals that are tried for an axis
+AIM = 0.08  # rad by which normals may miss the axis
+FARTHEST = 1.5  # half diagonals of the plan that the axis may be away from its middle
+TURNED = 0.5  # share of a ceiling's normals that must point to the axis
+EVEN = 1.15  # how much farther the rim may be in some directions than in others
+WHOLE, HALF = np.radians(75.0), np.radians([110.0, 250.0])  # missing of a disc at the most; of a half disc
+RING = np.radians(12.0)  # missing of a ring that is whole
+HOLE, FULL = 0.1, 0.45  # inner / outer radius from which on there may be a hole, and may be no disc
+SIDES = np.arange(3, 13)
+STRIPS = 8  # across a ceiling, in which its height is looked at
+CLIMBS, BENT = 0.03, 0.15  # slope of a ramp at least; of what it climbs, how far its crown may be off a straight line
+WEBS = 0.3  # how far the normals of a ceiling must keep to the directions of a polygon, 0 to 1
+FEWEST_SIDES = 0.85  # of the best number of sides, what a lesser number must reach to be taken
+ALIGNED, FEWEST = np.cos(0.2), 10  # with a side, normals of which there must be so many
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A footprint where it lies: its origin [m] in the scan's local frame, and its x axis [rad]."""
+
+    footprint: Footprint
+    x: float
+    y: float
+    yaw: float
+
+
+def grounds_of(points: Array, normals: Array, steep: float) -> Mapping[str, tuple[Ground, ...]]:
+    """The grounds that a ceiling may stand over, by the shapes of their footprints.
+
+    Args:
+        points: (n, 3) of ceiling and walls [m].
+        normals: (n, 3) of them, unit.
+        steep: |nz| below which a point is rather a wall's.
+    """
+    slant = np.hypot(normals[:, 0], normals[:, 1])
+    telling = np.flatnonzero(slant > SLANT)
+    telling = telling[:: max(1, len(telling) // LOOKED_AT)]
+    ceiling = np.abs(normals[telling, 2]) > steep
+    if ceiling.sum() < PAIRS:
+        return {}
+    xy, facing = points[telling, :2], normals[telling, :2] / slant[telling, None]
+    found: dict[str, tuple[Ground, ...]] = {}
+    upper = ceiling & (points[telling, 2] > np.median(points[telling[ceiling], 2]))
+    hung = points[np.abs(normals[:, 2]) > steep, :2]
+    for shape, ground in (*_turned(xy, facing, ceiling, hung), *_polygons(xy, facing, upper, hung)):
+        found[shape] = (*found.get(shape, ()), ground)
+    return found
+
+
+def slopes_of(xy: Array, height: Array, upwards: Array, steep: float) -> tuple[float, float]:
+    """By how much a ceiling climbs along x and y, as a ramp's does from end to end; 0 along which it does not.
+
+    Args:
+        xy: (n, 2) in plan [m].
+        height: (n,) [m].
+        upwards: (n,) of the normals.
+        steep: |nz| below which a point is rather a wall's.
+    """
+    hung = np.abs(upwards) > steep
+    x, y = (_slope(along, height[hung]) for along in xy[hung].T)
+    return x, y
+
+
+def _slope(along: Array, height: Array) -> float:
+    low, high = np.quantile(along, [0.01, 0.99]) if len(along) else (0.0, 0.0)
+    strip = np.floor((along - low) / max(high - low, 1e-9) * STRIPS).astype(np.int64)
+    tops = [np.quantile(height[strip == k], 0.95) for k in range(STRIPS) if (strip == k).sum() > FEWEST]
+    if len(tops) < STRIPS:
+        return 0.0
+    middle = low + (np.arange(STRIPS) + 0.5) / STRIPS * (high - low)
+    slope, start = np.polyfit(middle, tops, 1)
+    off = float(np.abs(np.array(tops) - slope * middle - start).max())
+    return float(slope) if off < BENT * abs(slope) * (high - low) and abs(slope) > CLIMBS else 0.0
+
+
+def _turned(xy: Array, facing: Array, ceiling: NDArray[np.bool_], hung: Array) -> Iterator[tuple[str, Ground]]:
+    """Disc, half disc or sector about the axis that normals point to; `hung` (m, 2): all places under a ceiling."""
+    axis = _axis(xy[ceiling], facing[ceiling])
+    if axis is None:
+        return
+    away = xy - axis
+    reach, angle = np.hypot(away[:, 0], away[:, 1]), np.arctan2(away[:, 1], away[:, 0])
+    aimed = _misses(away, facing) < AIM * reach
+    if aimed[ceiling].mean() < TURNED:
+        return
+    reach, angle, ceiling = reach[aimed], angle[aimed], ceiling[aimed]
+    outer, inner = np.quantile(reach, 0.98), np.quantile(np.linalg.norm(hung - axis, axis=1), 0.01)
+    rim = _rim(reach, angle)
+    if np.quantile(rim, 0.8) > EVEN * np.quantile(rim, 0.2):
+        return
+    middle, gap = _gap(angle[ceiling])
+    hole, yaw = float(inner / outer), float(np.remainder(middle + 1.5 * pi, 2 * pi)) - pi  # the gap is to the south
+    x, y, span = float(axis[0]), float(axis[1]), float(2 * outer)
+    if gap < WHOLE and hole < FULL:
+        yield DISC, Ground(Footprint(span, span), x, y, 0.0)
+    if HALF[0] < gap < HALF[1] and hole < FULL:
+        yield HALF_DISC, Ground(Footprint(span, span), x, y, yaw)
+    if hole > HOLE:
+        covered = 2 * pi if gap < RING else 2 * pi - gap
+        yield SECTOR, Ground(Footprint(span, span, hole=hole, angle=covered), x, y, yaw)
+
+
+def _axis(xy: Array, facing: Array) -> Array | None:
+    """The place (2,) that most normals point to: of those where two of them meet the best, then least squares."""
+    middle = (xy.min(axis=0) + xy.max(axis=0)) / 2
+    size = float(np.linalg.norm(np.ptp(xy, axis=0))) / 2
+    i, j = np.random.default_rng(0).integers(len(xy), size=(2, PAIRS))
+    cross = facing[i, 0] * facing[j, 1] - facing[i, 1] * facing[j, 0]
+    apart = xy[j] - xy[i]
+    way = (apart[:, 0] * facing[j, 1] - apart[:, 1] * facing[j, 0]) / np.where(np.abs(cross) < 0.1, np.nan, cross)
+    meets = xy[i] + way[:, None] * facing[i]
+    meets = meets[np.linalg.norm(meets - middle, axis=1) < FARTHEST * size]
+    if len(meets) == 0:
+        return None
+    some = slice(None, None, max(1, len(xy) // 500))
+    aimed = [(_misses(xy[some] - at, facing[some]) < AIM * np.linalg.norm(xy[some] - at, axis=1)).sum() for at in meets]
+    best = meets[int(np.argmax(aimed))]
+    for _ in range(8):
+        away = xy - best
+        scale = AIM * np.maximum(np.linalg.norm(away, axis=1), AIM * size)
+        weight = 1 / (1 + (_misses(away, facing) / scale) ** 2) ** 2 / scale**2
+        across = np.column_stack([-facing[:, 1], facing[:, 0]])
+        matrix = (across.T * weight) @ across
+        best = np.linalg.solve(matrix + 1e-9 * np.trace(matrix) * np.eye(2), across.T @ (weight * (across * xy).sum(1)))
+    return np.asarray(best, np.float64)
+
+
+def _misses(away: Array, facing: Array) -> Array:
+    """How far (n,) [m] normals pass by an axis that places are `away` (n, 2) from."""
+    missed: Array = np.abs(away[:, 0] * facing[:, 1] - away[:, 1] * facing[:, 0])
+    return missed
+
+
+def _rim(reach: Array, angle: Array) -> Array:
+    """How far places go in each direction in which there are any, of 10° each."""
+    order = np.argsort(np.floor(angle / np.radians(10.0)), kind="stable")
+    parts = np.split(reach[order], np.flatnonzero(np.diff(np.floor(angle[order] / np.radians(10.0)))) + 1)
+    return np.array([np.quantile(part, 0.95) for part in parts if len(part) > 5])
+
+
+def _gap(angle: Array) -> tuple[float, float]:
+    """Middle and width [rad] of the widest range of angles about the axis in which there is nothing."""
+    step = np.radians(3.0)
+    counts = np.histogram(angle, bins=np.linspace(-pi, pi, 121))[0]
+    empty = counts < 0.1 * np.median(counts[counts > 0])
+    best, start = (0, 0), 0
+    for k, bare in enumerate(np.concatenate([empty, empty])):
+        start = start if bare else k + 1
+        best = max(best, (min(k + 1 - start, len(empty)), start))
+    return float((best[1] + best[0] / 2) * step - pi), float(best[0] * step)
+
+
+def _polygons(xy: Array, facing: Array, upper: NDArray[np.bool_], hung: Array) -> Iterator[tuple[str, Ground]]:
+    """The polygon whose sides the normals of the upper half of a ceiling face; none of four, which is a rectangle."""
+    out = facing * np.sign((facing * (xy - (hung.min(axis=0) + hung.max(axis=0)) / 2)).sum(axis=1))[:, None]
+    angle = np.arctan2(out[upper, 1], out[upper, 0])
+    moments = np.array([np.exp(1j * n * angle).mean() for n in SIDES])
+    kept = np.abs(moments)
+    k = int(np.argmax(kept >= FEWEST_SIDES * kept.max()))
+    n, yaw = int(SIDES[k]), float(np.angle(moments[k])) / int(SIDES[k])
+    if kept[k] < WEBS or n == 4:
+        return
+    ways = _ways(yaw, n)
+    aligned = [xy[out @ way > ALIGNED] @ way for way in ways]
+    seen = [len(reach) > FEWEST for reach in aligned]
+    ends = np.array([np.quantile(reach, 0.97) for reach in aligned if len(reach) > FEWEST])
+    (x, y, radius), *_ = np.linalg.lstsq(np.column_stack([ways, np.ones(n)])[seen], ends)
+    if radius <= 0:
+        return
+    diagonal = 1.0
+    if n % 2 == 0:  # the corners of a square hang over every second side
+        reach = np.quantile((hung - [x, y]) @ ways.T, 0.995, axis=0)
+        first, second = float(np.median(reach[::2])), float(np.median(reach[1::2]))
+        diagonal = max(first, second) / min(first, second)
+        yaw += pi / n if second < first else 0.0
+    yield POLYGON, Ground(Footprint(2 * radius, 2 * radius, sides=n, diagonal=diagonal), float(x), float(y), yaw)
+
+
+def _ways(yaw: float, count: int) -> Array:
+    """Unit vectors (n, 2) in as many directions, the first of them turned by `yaw` [rad]."""
+    turns = yaw + 2 * pi * np.arange(count) / count
+    return np.column_stack([np.cos(turns), np.sin(turns)])
