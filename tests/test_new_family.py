@@ -17,7 +17,8 @@ from families import FAMILIES, Vault, family, register
 from families.declaration.constraints import Constraint
 from families.declaration.facts import FACTS, check_facts
 from families.declaration.parameters import Range, derived
-from families.declaration.pieces import BarrelPart, Ceiling, Piece, Plan
+from families.declaration.pieces import BarrelPart, Ceiling, Piece
+from families.declaration.plan import Plan, X
 from families.declaration.profiles import Profile, Segmental
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import coarse_arches
@@ -62,10 +63,10 @@ class Corridor(Vault):
 
     @property
     def plan(self) -> Plan:
-        return Plan(self.span / 2, self.length / 2, on_wall_x=True)
+        return Plan.rectangle(self.span / 2, self.length / 2, on_wall_x=True)
 
     def pieces(self) -> tuple[Piece, ...]:
-        barrel = BarrelPart("x", self.profile.curve(self.span / 2), ("barrel", "barrel"))
+        barrel = BarrelPart(X, self.profile.curve(self.span / 2), ("barrel", "barrel"))
         return (Piece((barrel, Ceiling(self.rise, ("ceiling",)))),)
 
     @classmethod
