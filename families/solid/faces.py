@@ -260,8 +260,19 @@ class Faces:
             at = start + (end - start) * (np.arange(LOOKS) + 0.5) / LOOKS
             label, sure = shown(*way.places(at), self.outer.table, rows, owners)
             at, label = at[sure], label[sure]
+            if len(at):
+                yield from self._touches(piece, sides.inner, int(rows[label[0]]), int(rows[label[-1]]))
             for j in np.flatnonzero(np.diff(label)).tolist():
                 yield piece[0], change(way.row, at[j], at[j + 1], self.outer.table, rows, owners)[0]
+
+    def _touches(self, piece: Piece, roof: int, first: int, last: int) -> Iterator[tuple[int, float]]:
+        """The ends of a side at which what stands beyond comes up to the roof, as an arch does under a ring."""
+        x, y = self._places(piece, np.array([0.0, 0.5, 1.0]))
+        high = self.top.height(roof, x, y)
+        gaps = [np.abs(high - self.outer.height(label, x, y)) for label in (first, last)]
+        for t, gap, end in zip(self._span(piece), gaps, (0, 2), strict=True):
+            if gap[end] < SAME_HEIGHT < gap[1]:
+                yield piece[0], t
 
     def _outside(self, piece: Piece, sides: Sides) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The roofs of the void beyond a side, and the pieces to which they belong."""
@@ -356,9 +367,9 @@ class Faces:
         if self.beyond is None:
             yield foot[0], top[0], False
             return
-        x, y = self._places(piece, MIDDLE)
         rows, owners = self._outside(piece, sides)
-        label = int(rows[shown(x, y, self.outer.table, rows, owners)[0][0]])
+        found, sure = shown(*self._places(piece, BETWEEN), self.outer.table, rows, owners)
+        label = int(rows[found[sure.argmax()]])  # where they touch, it cannot be told
         over = self.outer.height(label, *self._places(piece, BETWEEN))
         if (over - top[1]).max() > -SAME_HEIGHT:
             yield foot[0], top[0], False
