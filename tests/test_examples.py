@@ -84,7 +84,7 @@ def _sections(out: Path) -> None:
 
 def _paper_tables(out: Path) -> None:
     rows = list(csv.DictReader((out / "tables.csv").read_text(encoding="utf-8").splitlines()))
-    assert {row["vault"] for row in rows} == {family.id for family in FAMILIES}
+    assert {row["vault"] for row in rows} == {"sail", "barrel", "lunette", "trough", "mirror", "groin", "dome"}
     assert all(float(row["mean_iou"]) > 0.9 for row in rows if row["walls"] == "no")
     assert all(float(row["ours"]) == pytest.approx(float(row["paper"]), abs=0.08) for row in rows if row["paper"])
 

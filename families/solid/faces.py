@@ -21,7 +21,7 @@ from families.solid.boundary import Loop, Pole, Step
 from families.solid.curves import Point, Spline, Straight
 from families.solid.envelope import LOOKED, SAME_HEIGHT, Line, Skin
 from families.solid.face_net import ONE, Net, Patch, near
-from families.solid.heights import between, change, shown, shown_at
+from families.solid.heights import between, change, shown
 from families.solid.plan_cells import SAME_PLACE, Ground, Part, Way
 from families.solid.plane_regions import regions
 from families.solid.roofs import Plane, Roof
@@ -270,8 +270,19 @@ class Faces:
             at = start + (end - start) * (np.arange(LOOKS) + 0.5) / LOOKS
             label, sure = shown(*way.places(at), self.outer.table, rows, owners)
             at, label = at[sure], label[sure]
+            if len(at):
+                yield from self._touches(piece, sides.inner, int(rows[label[0]]), int(rows[label[-1]]))
             for j in np.flatnonzero(np.diff(label)).tolist():
                 yield piece[0], change(way.row, at[j], at[j + 1], self.outer.table, rows, owners)[0]
+
+    def _touches(self, piece: Piece, roof: int, first: int, last: int) -> Iterator[tuple[int, float]]:
+        """The ends of a side at which what stands beyond comes up to the roof, as an arch does under a ring."""
+        x, y = self._places(piece, np.array([0.0, 0.5, 1.0]))
+        high = self.top.height(roof, x, y)
+        gaps = [np.abs(high - self.outer.height(label, x, y)) for label in (first, last)]
+        for t, gap, end in zip(self._span(piece), gaps, (0, 2), strict=True):
+            if gap[end] < SAME_HEIGHT < gap[1]:
+                yield piece[0], t
 
     def _outside(self, piece: Piece, sides: Sides) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The roofs of the void beyond a side, and the pieces to which they belong."""
@@ -362,7 +373,10 @@ class Faces:
             yield foot, middle, False
             yield middle, top, True
             return
-        label = int(rows[shown_at(*self._middle(piece), self.outer.table, rows, owners)])
+        way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
+        places = way.places(start + BETWEEN * (end - start))
+        found, sure = shown(*places, self.outer.table, rows, owners)
+        label = int(rows[found[sure.argmax()]])  # where they touch, it cannot be told
         over, floor = (self.outer, label), (self.bottom, self.below[piece].inner)
         if max(self._apart_by(piece, over, (self.top, sides.inner))) > -SAME_HEIGHT:
             yield foot, top, False

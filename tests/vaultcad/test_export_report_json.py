@@ -32,7 +32,8 @@ def test_the_file_holds_the_contract(name, make_model, tmp_path):
     assert [c["name"] for c in vault["components"]] == list(fitted.vault.components)
     assert [c["id"] for c in vault["components"]] == list(range(1, len(fitted.vault.components) + 1))
     for parameter, value in fitted.vault.values().items():
-        assert vault["parameters"][parameter]["value"] == pytest.approx(value, abs=1e-6)
+        row = vault["parameters"][parameter]
+        assert row["value"] == pytest.approx(np.degrees(value) if row["unit"] == "deg" else value, abs=1e-6)
         assert "derived" not in vault["parameters"][parameter]
     for size, value in fitted.vault.derived_values().items():
         assert vault["parameters"][size] == {
