@@ -11,6 +11,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 
 from families.declaration.constraints import Constraint
+from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Plan
@@ -117,11 +118,11 @@ class Rib(Vault):
         return (Piece(tuple(webs)),)
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
         """Semicircular and flatter diagonals under pointed wall arches."""
         for diagonal, arch in product((0.35, 0.5), [r for r in COARSE_RISES if r >= 0.5]):
             profile = Pointed(arch)
-            yield cls(span_x, span_y, profile, profile, Pointed.over(diagonal) or Semicircular())
+            yield cls(over.span_x, over.span_y, profile, profile, Pointed.over(diagonal) or Semicircular())
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:

@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar, Self
 
 import numpy as np
 
+from families.declaration.footprint import POLYGON, Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Plan
@@ -17,8 +18,6 @@ from families.declaration.profiles import Elliptical, Profile, Segmental, Semici
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import drawn_arch
 from families.declaration.vault import Vault
-
-SQUARE = 0.25  # of the longer side that the sides of its plan may differ by
 
 
 @dataclass(frozen=True)
@@ -42,6 +41,7 @@ class Umbrella(Vault):
     ratios: ClassVar[Mapping[str, str]] = {"rise": "rise_ratio_diagonal", "arch_rise": "rise_ratio"}
     quarter_turn: ClassVar[Symmetry | None] = None
     four_corners: ClassVar[bool] = False
+    stands_over: ClassVar[str] = POLYGON
 
     sides: Annotated[int, Range(3, 12, "1", "webs and sides of the polygon")] = 8
     radius: Annotated[float, Range(0.5, 30, "m", "distance of the sides from the middle")] = 3.0
@@ -87,11 +87,10 @@ class Umbrella(Vault):
         return (Piece(tuple(webs)),)
 
     @classmethod
-    def first_guesses(cls, span_x: float, span_y: float) -> Iterator[Self]:
-        """Over a plan that is about square: hexagons and octagons, flat and steep."""
-        if abs(span_x - span_y) < SQUARE * max(span_x, span_y):
-            for sides, rise, arch in product((6, 8, 12), (0.3, 0.5), (0.3, 0.5)):
-                yield cls(sides, (span_x + span_y) / 4, Elliptical(arch), Elliptical(rise))
+    def first_guesses(cls, over: Footprint) -> Iterator[Self]:
+        """Flat and steep ones."""
+        for rise, arch in product((0.3, 0.5), (0.3, 0.5)):
+            yield cls(over.sides, over.radius, Elliptical(arch), Elliptical(rise))
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:

@@ -271,17 +271,17 @@ class Faces:
             label, sure = shown(*way.places(at), self.outer.table, rows, owners)
             at, label = at[sure], label[sure]
             if len(at):
-                yield from self._touches(piece, sides.inner, int(rows[label[0]]), int(rows[label[-1]]))
+                yield from self._touches(piece, self.above[piece].inner, int(rows[label[0]]), int(rows[label[-1]]))
             for j in np.flatnonzero(np.diff(label)).tolist():
                 yield piece[0], change(way.row, at[j], at[j + 1], self.outer.table, rows, owners)[0]
 
     def _touches(self, piece: Piece, roof: int, first: int, last: int) -> Iterator[tuple[int, float]]:
         """The ends of a side at which what stands beyond comes up to the roof, as an arch does under a ring."""
-        x, y = self._places(piece, np.array([0.0, 0.5, 1.0]))
-        high = self.top.height(roof, x, y)
-        gaps = [np.abs(high - self.outer.height(label, x, y)) for label in (first, last)]
-        for t, gap, end in zip(self._span(piece), gaps, (0, 2), strict=True):
-            if gap[end] < SAME_HEIGHT < gap[1]:
+        middle = self._middle(piece)
+        for t, label in zip(self._span(piece), (first, last), strict=True):
+            place = self.ground.ways[piece[0]].at(t)
+            gap, off = (abs(self.top.height(roof, *at) - self.outer.height(label, *at)) for at in (place, middle))
+            if gap < SAME_HEIGHT < off:
                 yield piece[0], t
 
     def _outside(self, piece: Piece, sides: Sides) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
