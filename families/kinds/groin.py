@@ -172,6 +172,11 @@ class Groin(Vault):
         over_x, over_y = self.over(half_x, half_y + self.offset_y), self.over(half_x + self.offset_x, half_y)
         return over_x.axes[0], over_y.axes[1]
 
+    def _farthest(self, axis: Axis) -> float:
+        """How far along an axis the farthest corner is [m]: nowhere in the plan is the crown lower than springings."""
+        (x, y), (a, b) = axis.origin, axis.across
+        return float(np.abs((self.corners - (x, y)) @ (-b, a)).max())
+
     def pieces(self) -> tuple[Piece, ...]:
         """Two barrels, both with their axes lifted by as much at the middle."""
         crown_rise = self.crown_rise
@@ -183,7 +188,7 @@ class Groin(Vault):
                 names,
                 axis.origin,
                 crown_rise=crown_rise,
-                half_length=axis.half_length,
+                half_length=axis.half_length if self.skew is None else self._farthest(axis),
                 splay=axis.splay,
             )
             return Piece((part,))
