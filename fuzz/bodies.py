@@ -17,7 +17,8 @@ from families.void.columns import heights
 
 Array = NDArray[np.float64]
 Within = Callable[[Array], NDArray[np.bool_]]
-FINE = 5e-4  # [m] between triangles and the surface
+FINE, FINER = 5e-4, 1e-4  # [m] between triangles and the surface; where the plan is round, on whose rim they are short
+NARROW = 1e-3  # of half the width of a plan, no farther
 GAUSS = (np.ones((3, 3)) + 3 * np.eye(3)) / 6  # barycentric coordinates of points that integrate degree 2 exactly
 BOX = np.random.default_rng(0).uniform((-1, -1, 0), 1, (400_000, 3))
 
@@ -64,7 +65,11 @@ def integral_of(vault: Vault) -> tuple[float, float]:
     By Gauss over triangles of the B-Rep seen from above, so that none of them lies on both sides of a groin or of a
     step; only their places are the B-Rep's, the heights are not.
     """
-    shown = mesh(vault, FINE)
+    plan, fine = vault.plan, FINE
+    if any(side.centre is not None for side in plan.sides):
+        rim = sum(float(np.linalg.norm(row - np.roll(row, 1, axis=0), axis=1).sum()) for row in plan.outlines())
+        fine = min(FINER, NARROW * plan.area / rim)
+    shown = mesh(vault, fine)
     corners = shown.vertices[shown.triangles][:, ::-1, :2]  # they face the room
     (ax, ay), (bx, by) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
     areas = (ax * by - ay * bx) / 2

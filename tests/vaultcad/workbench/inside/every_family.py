@@ -71,6 +71,7 @@ def work():
     path = str(given.FOLDER / "every.FCStd")
     document.saveAs(path)
     before = {obj.Name: given.state(obj) for obj in document.Objects}
+    kept = document.UndoCount  # FreeCAD forgets what is more than 20 steps ago
     while document.UndoCount:
         document.undo()
     left = len(document.Objects)
@@ -86,7 +87,7 @@ def work():
     edited = given.state(opened.getObject("Barrel"))
     return {
         "families": found, "before": before, "after": after, "hidden": hidden, "pid": pid, "left": left,
-        "edited": edited,
+        "kept": kept, "edited": edited,
     }  # fmt: skip
 
 
