@@ -31,6 +31,7 @@ WALL_HEIGHT = 0.5  # m, height of plane wall along all of a side that makes it a
 SPREAD = 0.25, 0.5  # m, and the share of a side's strips of that width that a wall must show in, as piers do not
 STEEP = 0.3  # |nz| below which a point weighs as a wall
 FLOOR_NORMAL = 0.9  # |nz| of a floor at the least
+UNDER = 0.2  # share of all points below the floor at the most
 PEAK = 5.0  # how far the most frequent direction of the walls must stand above the middling one
 SECOND = 0.5  # of the most frequent direction, how frequent that halfway between is over an octagon
 # m, depth and width of the strips where the end of the stone is looked for; points
@@ -200,10 +201,11 @@ def floor_of(points: Array, normals: Array) -> NDArray[np.bool_]:
         return np.zeros(len(z), bool)
     low, high = np.quantile(z, [0.001, 0.999])
     counts, edges = np.histogram(z[level & (z < low + 0.5 * (high - low))], bins=np.arange(low - 0.2, high + 0.1, 0.1))
-    if counts.sum() == 0 or counts.max() < 0.15 * level.sum():
+    k = int(counts.argmax())
+    # Soffits of arches are level too, but much hangs and stands below them.
+    if counts.max() < max(0.15 * level.sum(), 1) or (z < edges[k]).mean() > UNDER:
         none: NDArray[np.bool_] = z < low - 0.3
         return none
-    k = int(counts.argmax())
     floor: NDArray[np.bool_] = (level & (z < edges[k + 1] + 0.15)) | (z < edges[k] + 0.05)
     return floor
 
@@ -223,7 +225,8 @@ def yaw_of(points: Array, normals: Array) -> float:
     # Over an octagon there are two: that of the square about it is narrower.
     other = (k + bins // 2) % bins
     if smooth[other] > SECOND * smooth[k]:
-        k = min(k, other, key=lambda at: float(np.prod(np.ptp(turned(points[:, :2], _middle(at, bins)), axis=0))))
+        hung = points[np.abs(normals[:, 2]) > STEEP, :2]
+        k = min(k, other, key=lambda at: float(np.prod(np.ptp(turned(hung, _middle(at, bins)), axis=0))))
     centre = _middle(k, bins)
     off = np.mod(angle[use] - centre + np.pi / 4, np.pi / 2) - np.pi / 4
     near = np.abs(off) < np.radians(4)
