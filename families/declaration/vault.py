@@ -89,7 +89,7 @@ class Vault(Parametric):
             ValueError: one is outside its range, or free corners are given to a plan that has not four.
         """
         if self.skew is not None and not self.four_corners:
-            raise ValueError(f"the plan of a {self.title} has no four corners that could be free")
+            raise ValueError(f"the plan of {self.article} {self.title} has no four corners that could be free")
         super().__post_init__()
 
     @property
@@ -115,6 +115,11 @@ class Vault(Parametric):
     @abstractmethod
     def drawn(cls, rng: np.random.Generator) -> Self:
         """A vault with sizes as builders chose them, for virtual scans."""
+
+    @property
+    def article(self) -> str:
+        """What stands before its title."""
+        return "an" if self.title[0] in "aeiou" else "a"
 
     @property
     def top(self) -> float:

@@ -93,4 +93,4 @@ def sizes_of(cls: type[Vault]) -> dict[str, Range]:
 
 def constraints_of(cls: type[Vault]) -> tuple[Constraint, ...]:
     """All constraints of a family that can be let go."""
-    return (SPRINGING, RECTANGLE, *cls.constraints)
+    return (SPRINGING, *((RECTANGLE,) if cls.four_corners else ()), *cls.constraints)
