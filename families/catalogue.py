@@ -96,7 +96,7 @@ def ideal(name: str, /, **parameters: Any) -> Vault:
     known = [*kinds, *vault.values(), *ratios]
     for key, value in parameters.items():
         if key not in known:
-            raise ValueError(f"{vault.article} {vault.title} has no {key!r}; it has {', '.join(known)}")
+            raise ValueError(f"{vault.called} has no {key!r}; it has {', '.join(known)}")
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise ValueError(f"{key} = {value!r} is no number")
         if ratios.get(key) in parameters:
@@ -120,9 +120,7 @@ def from_plain(told: Mapping[str, Any]) -> Vault:
     known = vault.kinds
     for name, kind in _table(told, "profiles").items():
         if name not in known:
-            raise ValueError(
-                f"{vault.article} {vault.title} has no profile {name!r}; it has {', '.join(known) or 'none'}"
-            )
+            raise ValueError(f"{vault.called} has no profile {name!r}; it has {', '.join(known) or 'none'}")
         if known[name] != kind:  # the family's own keeps its own numbers
             vault = vault.with_arches({name: _arch(name, kind)})
     parameters = _table(told, "parameters")

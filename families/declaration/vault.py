@@ -89,7 +89,7 @@ class Vault(Parametric):
             ValueError: one is outside its range, or free corners are given to a plan that has not four.
         """
         if self.skew is not None and not self.four_corners:
-            raise ValueError(f"the plan of {self.article} {self.title} has no four corners that could be free")
+            raise ValueError(f"the plan of {self.called} has no four corners that could be free")
         super().__post_init__()
 
     @property
@@ -117,9 +117,9 @@ class Vault(Parametric):
         """A vault with sizes as builders chose them, for virtual scans."""
 
     @property
-    def article(self) -> str:
-        """What stands before its title."""
-        return "an" if self.title[0] in "aeiou" else "a"
+    def called(self) -> str:
+        """One of its kind: a groin vault."""
+        return f"{'an' if self.title[0] in 'aeiou' else 'a'} {self.title}"
 
     @property
     def top(self) -> float:

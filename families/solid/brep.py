@@ -54,7 +54,7 @@ def room(vault: Vault) -> build123d.Part:
     """The void as a body [mm], to be cut out of a block."""
     import build123d
 
-    return _of_stone(build123d.Part(workable(void(vault))), f"void of {vault.article} {vault.title}")
+    return _of_stone(build123d.Part(workable(void(vault))), f"void of {vault.called}")
 
 
 def intrados(vault: Vault) -> build123d.Compound:

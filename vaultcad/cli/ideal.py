@@ -51,4 +51,4 @@ def ideal(
     rng = np.random.default_rng(seed)
     found = sample(vault, points or POINTS, rng) if spacing is None else sample_spacing(vault, spacing, rng)
     write_cloud(out, found.xyz, normals=found.normals, extra={"component": found.component})
-    typer.echo(f"{len(found):,} points of {vault.article} {vault.title}: {out}")
+    typer.echo(f"{len(found):,} points of {vault.called}: {out}")

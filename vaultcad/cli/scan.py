@@ -64,7 +64,7 @@ def scan(
     with refusing():  # it says so where the settings do not suit the vault
         virtual = shoot(vault, settings, rng=np.random.default_rng(seed))
     truth = write_scan(virtual, out)
-    typer.echo(f"{len(virtual):,} points of {vault.article} {vault.title}: {out}; its truth: {truth}")
+    typer.echo(f"{len(virtual):,} points of {vault.called}: {out}; its truth: {truth}")
 
 
 def settings_of(declared: Mapping[str, Any]) -> ScannerSettings:

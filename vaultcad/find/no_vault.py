@@ -67,7 +67,7 @@ def check(refined: Refined, site: Site, tolerance: float) -> None:
     share = float(on.mean()) if len(on) else 0.0
     if share < EXPLAINED:
         raise NoVaultError(
-            f"no vault found: the best model, {vault.article} {vault.title}, explains {share:.0%} of what hangs over its springing; "
+            f"no vault found: the best model, {vault.called}, explains {share:.0%} of what hangs over its springing; "
             "crop the scan to one vaulted bay"
         )
     if rise < LOW * short:

@@ -125,11 +125,11 @@ class _Search:
         area = vault.plan.area
         if part and (short < NARROW or area < LEAST):
             raise NoVaultError(
-                f"no vault found: {vault.article} {vault.title} {short:.1f} m wide over {area:.1f} m² is an arch, if any"
+                f"no vault found: {vault.called} {short:.1f} m wide over {area:.1f} m² is an arch, if any"
             )
         if seen < (FILLED if part else PARTLY) * area:
             raise NoVaultError(
-                f"no vault found: {seen:.1f} m² of {vault.article} {vault.title} are too little of its {area:.1f} m²; "
+                f"no vault found: {seen:.1f} m² of {vault.called} are too little of its {area:.1f} m²; "
                 "scan all of it, or crop to one bay"
             )
         return found

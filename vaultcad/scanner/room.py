@@ -86,7 +86,7 @@ def _on_walls(
 def _on_piers(vault: Vault, settings: ScannerSettings, intrados: Triangles) -> list[Triangles]:
     plan = vault.plan
     if plan.on_wall_x or plan.on_wall_y:
-        raise ValueError(f"walls = 'piers': {vault.article} {vault.title} stands on its walls; take walls = 'walls'")
+        raise ValueError(f"walls = 'piers': {vault.called} stands on its walls; take walls = 'walls'")
     floor = -settings.wall_height
     inner = np.array([plan.half_x, plan.half_y]) - ARCH_DROP
     outer = inner + ARCH_DROP + ARCH_DEPTH
