@@ -19,14 +19,12 @@ from families import (
     Lunette,
     Mirror,
     Pointed,
-    Rib,
     Rotunda,
     Sail,
     Segmental,
     Semicircular,
     Stilted,
     Trough,
-    Umbrella,
     Vault,
 )
 from families.declaration.corners import Skew
@@ -88,11 +86,7 @@ OPENED: tuple[Vault, ...] = (
 GROUPS: dict[str, tuple[Vault, ...]] = {
     "default_vault": tuple(family() for family in FAMILIES),
     "any_vault": (*(family() for family in FAMILIES), *OF_EVERY_PROFILE, *SPECIAL, *OPENED),
-    "textbook_vault": (
-        *(family() for family in FAMILIES if family not in (Rib, Umbrella)),
-        *OF_EVERY_PROFILE,
-        *SPECIAL,
-    ),
+    "textbook_vault": (*(family() for family in FAMILIES), *OF_EVERY_PROFILE, *SPECIAL),
 }
 
 

@@ -16,14 +16,12 @@ from families import (
     Lunette,
     Mirror,
     Pointed,
-    Rib,
     Rotunda,
     Sail,
     Segmental,
     Semicircular,
     Stilted,
     Trough,
-    Umbrella,
     Vault,
 )
 from families.void import kernel
@@ -135,32 +133,7 @@ def annular(v, x, y):
     return own(v.profile, v.span / 2, np.hypot(x - centre[0], y - centre[1]) - v.radius)
 
 
-def webs(v, x, y):
-    top = np.full_like(x, np.nan)
-    reach = np.mean([np.hypot(*side.start) for side in v.plan.sides])
-    arches = [v.profile] * 12 if isinstance(v, Umbrella) else [v.profile_x, v.profile_y] * 2
-    for profile, side in zip(arches, v.plan.sides, strict=False):
-        (nx, ny), (middle_x, middle_y) = side.normal, side.points(2)[1]
-        share = (x * nx + y * ny) / side.offset
-        half, u = (
-            share * np.hypot(*np.subtract(side.end, side.start)) / 2,
-            (x - share * middle_x) * -ny + (y - share * middle_y) * nx,
-        )
-        low = own(v.profile_diagonal, reach, share * reach)
-        high = profile.rise(half[0] / share[0])
-        if isinstance(v, Umbrella):
-            rise = share * high
-        else:
-            ridge = high + (v.rise - high) * (1 - share) * (1 + v.ridge_bow * share)
-            rise = np.maximum(ridge - low, 1e-6 * half)
-        for k in np.flatnonzero(np.abs(u) <= half):
-            top[k] = low[k] + arch(profile, half[k], rise[k], u[k])
-    return top
-
-
 TOPS = {
-    Rib: webs,
-    Umbrella: webs,
     Cloister: cloister,
     Conch: conch,
     Annular: annular,

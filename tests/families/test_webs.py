@@ -7,7 +7,9 @@ from math import pi
 import numpy as np
 import pytest
 
-from families import PROFILES, Elliptical, Pointed, Profile, Rib, Segmental, Semicircular, Stilted, Umbrella, Vault
+from families import PROFILES, Elliptical, Pointed, Profile, Segmental, Semicircular, Stilted, Vault
+from families.kinds.rib import Rib
+from families.kinds.umbrella import Umbrella
 from families.declaration.corners import Skew
 from families.declaration.pieces import Piece, Web
 from families.void import kernel
