@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from families import PROFILES, Elliptical, Pointed, Profile, Segmental, Semicircular, Stilted, Vault
-from families.kinds.rib import Rib
-from families.kinds.umbrella import Umbrella
 from families.declaration.corners import Skew
 from families.declaration.pieces import Piece, Web
+from families.kinds.rib import Rib
+from families.kinds.umbrella import Umbrella
 from families.void import kernel
 from families.void.profile_outline import half_outline
 from families.void.sampling import sample
