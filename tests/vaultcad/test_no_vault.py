@@ -126,9 +126,7 @@ def test_a_dome_over_a_round_plan_gets_no_corners(family: type[Vault], shape: di
         fit_scan(Cloud(xyz.astype(np.float32)), FitSettings(families=(family,)))
 
 
-@pytest.mark.parametrize(
-    "shape", [{}, {"oculus": 0.6}, {"walls": 4.0}, {"walls": 4.0, "oculus": 0.6}], ids=lambda shape: "-".join(shape)
-)
+@pytest.mark.parametrize("shape", [{}, {"oculus": 0.6}, {"walls": 4.0}, {"walls": 4.0, "oculus": 0.6}], ids="-".join)
 def test_a_dome_over_a_round_plan_is_a_rotunda(shape: dict[str, float]) -> None:
     (fitted,) = fit_scan(Cloud(hemisphere(np.random.default_rng(1), **shape).astype(np.float32))).model.vaults
     assert fitted.vault.kinds == {"profile": "semicircular"}
