@@ -29,7 +29,6 @@ from segmentation.cloud import Cloud
 from vaultcad.model import Pose
 from vaultcad.pipeline import fit_scan
 
-LABELLED = {Cloister: 0.7}  # some of its drum stands in one plane with the walls of the crossing
 POSE = Pose(1.2, -0.7, 3.1, 0.4)
 IDEALS = (
     Sail(5.2, 4.4, 0.8),
@@ -76,6 +75,8 @@ def test_the_fit_of_an_ideal_cloud_returns_every_parameter_within_a_millimetre(t
     assert (fitted.pose.x, fitted.pose.y, fitted.pose.z) == pytest.approx((POSE.x, POSE.y, POSE.z), abs=1e-3)
     if (turn := same_again(truth)) > 0:
         assert remainder(fitted.pose.yaw - POSE.yaw, turn) == pytest.approx(0, abs=1e-3)
-    assert compare(result.labels.component, sample.component).mean_iou > LABELLED.get(type(truth), 0.998)
+    # Half of a drum over a crossing stands in one plane with the walls under it, which take it.
+    flush = isinstance(truth, Cloister) and truth.crossing > 0
+    assert compare(result.labels.component, sample.component).mean_iou > (0.9 if flush else 0.998)
     assert fitted.deviation.p95 < 1e-3
-    assert fitted.coverage > 0.99
+    assert fitted.coverage > (0.94 if flush else 0.99)

@@ -195,7 +195,7 @@ def _polygons(xy: Array, facing: Array, upper: NDArray[np.bool_], hung: Array) -
         reach = np.quantile((hung - [x, y]) @ ways.T, 0.995, axis=0)
         first, second = float(np.median(reach[::2])), float(np.median(reach[1::2]))
         diagonal = max(first, second) / min(first, second)
-        yaw += pi / n if second < first else 0.0
+        yaw += 2 * pi / n if second < first else 0.0
     yield POLYGON, Ground(Footprint(2 * radius, 2 * radius, sides=n, diagonal=diagonal), float(x), float(y), yaw)
 
 
