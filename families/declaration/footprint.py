@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import pi
+from math import cos, pi, sin
+
+from families.declaration.plan import Plan
 
 RECTANGLE, POLYGON, DISC, HALF_DISC, SECTOR = SHAPES = ("rectangle", "polygon", "disc", "half disc", "sector")
 """Of footprints; a family says which it stands over."""
+
+CORNERED = 1.13  # every second side of an octagon so much farther away: there are the corners of a square
 
 
 @dataclass(frozen=True)
@@ -32,6 +36,20 @@ class Footprint:
     def radius(self) -> float:
         """Half of the mean width [m]."""
         return (self.span_x + self.span_y) / 4
+
+    def plan(self, shape: str) -> Plan:
+        """The outline of a footprint of that shape; the square of a crossing where every second side is as far."""
+        radius, n = self.radius, self.sides
+        if shape == DISC:
+            return Plan.disc(radius)
+        if shape == HALF_DISC:
+            return Plan.half_disc(radius)
+        if shape == SECTOR:
+            return Plan.sector(self.hole * radius, radius, self.angle)
+        if shape == RECTANGLE or self.diagonal > CORNERED:
+            return Plan.rectangle(self.span_x / 2, self.span_y / 2)
+        reach, turns = radius / cos(pi / n), [(2 * k - 1) * pi / n for k in range(n)]
+        return Plan.polygon(tuple((reach * cos(turn), reach * sin(turn)) for turn in turns))
 
     def turned(self, quarters: int) -> Footprint:
         """A rectangle seen along axes that are turned by so many right angles."""

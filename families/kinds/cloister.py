@@ -11,7 +11,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 
 from families.declaration.constraints import Constraint
-from families.declaration.footprint import POLYGON, Footprint
+from families.declaration.footprint import CORNERED, POLYGON, Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ball, BarrelPart, Lid, Piece, cove
 from families.declaration.plan import Plan, Vector
@@ -23,7 +23,6 @@ from families.declaration.vault import Vault
 WALLS, PENDENTIVES, SQUINCHES = range(3)  # what it stands on: `crossing`
 CORNERS = (("south_west", -1, -1), ("south_east", 1, -1), ("north_west", -1, 1), ("north_east", 1, 1))
 EIGHT = 8  # webs over a crossing
-CORNERED = 1.13  # every second side so much farther away: there are the corners of a square
 
 
 @dataclass(frozen=True)

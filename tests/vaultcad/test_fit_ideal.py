@@ -2,10 +2,29 @@
 
 from __future__ import annotations
 
+from math import pi, remainder
+
 import numpy as np
 import pytest
 
-from families import Barrel, Dome, Groin, Lunette, Mirror, Pointed, Sail, Segmental, Semicircular, Trough, Vault
+from families import (
+    Annular,
+    Barrel,
+    Cloister,
+    Conch,
+    Dome,
+    Groin,
+    Lunette,
+    Mirror,
+    Pointed,
+    Rotunda,
+    Sail,
+    Segmental,
+    Semicircular,
+    Trough,
+    Vault,
+)
+from segmentation import compare
 from segmentation.cloud import Cloud
 from vaultcad.model import Pose
 from vaultcad.pipeline import fit_scan
@@ -19,7 +38,25 @@ IDEALS = (
     Mirror(4.6, 7.0, 0.5, 0.4, 0.8, 1.0),
     Groin(4.2, 4.6, Segmental(0.4), Segmental(0.37)),
     Dome(2.6, Semicircular(), 0.42, 0.0),
+    Rotunda(2.8, Segmental(0.4)),
+    Conch(2.4, Pointed(0.7)),
+    Annular(5.5, 0.5, 2.3, Semicircular()),
+    Annular(5.5, 0.5, 2 * pi, Segmental(0.3)),
+    Cloister(8, 2.7, Segmental(0.4)),
+    Cloister(5, 2.7, Semicircular()),
+    Cloister(8, 2.7, Segmental(0.4), 0.3, crossing=1),
+    Cloister(8, 2.7, Semicircular(), 0.4, crossing=2),
+    Barrel(4.8, 7.3, Pointed(0.7), slope=0.3),
 )
+
+
+def same_again(truth: Vault) -> float:
+    """The least angle by which it may be turned and be the same, its components in another order [rad]; 0 for any."""
+    if truth.plan.turns:
+        return 0.0
+    if isinstance(truth, Cloister):
+        return pi / 2 if truth.crossing else 2 * pi / truth.sides
+    return 2 * pi
 
 
 @pytest.mark.parametrize("truth", IDEALS, ids=lambda v: v.id)
@@ -36,7 +73,10 @@ def test_the_fit_of_an_ideal_cloud_returns_every_parameter_within_a_millimetre(t
         {**truth.values(), **truth.derived_values()}, abs=1e-3
     )
     assert (fitted.pose.x, fitted.pose.y, fitted.pose.z) == pytest.approx((POSE.x, POSE.y, POSE.z), abs=1e-3)
-    assert fitted.pose.yaw == pytest.approx(POSE.yaw, abs=1e-3)
-    assert (result.labels.component == sample.component).mean() > 0.999
+    if (turn := same_again(truth)) > 0:
+        assert remainder(fitted.pose.yaw - POSE.yaw, turn) == pytest.approx(0, abs=1e-3)
+    # Half of a drum over a crossing stands in one plane with the walls under it, which take it.
+    flush = isinstance(truth, Cloister) and truth.crossing > 0
+    assert compare(result.labels.component, sample.component).mean_iou > (0.9 if flush else 0.998)
     assert fitted.deviation.p95 < 1e-3
-    assert fitted.coverage > 0.99
+    assert fitted.coverage > (0.94 if flush else 0.99)

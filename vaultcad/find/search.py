@@ -144,7 +144,10 @@ class _Search:
         inner_thin, inner = without_arches(thin, xyz, region)
         if len(inner_thin.points) == len(thin.points):
             return self._one(thin, xyz)
-        found = self._one(inner_thin, xyz[inner.holds(xyz)])
+        try:
+            found = self._one(inner_thin, xyz[inner.holds(xyz)])
+        except NoVaultError:  # what was cut off was its own
+            return self._one(thin, xyz)
         plan = found.placed.vault.plan
         if not (plan.on_wall_x or plan.on_wall_y):
             return found

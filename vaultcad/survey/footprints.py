@@ -185,7 +185,9 @@ def _polygons(xy: Array, facing: Array, upper: NDArray[np.bool_], hung: Array) -
     aligned = [xy[out @ way > ALIGNED] @ way for way in ways]
     seen = [len(reach) > FEWEST for reach in aligned]
     ends = np.array([np.quantile(reach, 0.97) for reach in aligned if len(reach) > FEWEST])
-    (x, y, radius), *_ = np.linalg.lstsq(np.column_stack([ways, np.ones(n)])[seen], ends)
+    other = np.arange(n) % 2 * (n % 2 == 0)  # every second side of a crossing's octagon is nearer than its corners
+    found, *_ = np.linalg.lstsq(np.column_stack([ways, 1 - other, other])[seen], ends)
+    (x, y), radius = found[:2], float(min(found[2:]) if n % 2 == 0 else found[2])
     if radius <= 0:
         return
     diagonal = 1.0
@@ -193,7 +195,7 @@ def _polygons(xy: Array, facing: Array, upper: NDArray[np.bool_], hung: Array) -
         reach = np.quantile((hung - [x, y]) @ ways.T, 0.995, axis=0)
         first, second = float(np.median(reach[::2])), float(np.median(reach[1::2]))
         diagonal = max(first, second) / min(first, second)
-        yaw += pi / n if second < first else 0.0
+        yaw += 2 * pi / n if second < first else 0.0
     yield POLYGON, Ground(Footprint(2 * radius, 2 * radius, sides=n, diagonal=diagonal), float(x), float(y), yaw)
 
 

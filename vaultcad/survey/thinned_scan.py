@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from families.declaration.footprint import RECTANGLE, Footprint
 from vaultcad.errors import NoVaultError
+from vaultcad.survey.ends import ends_over
 from vaultcad.survey.footprints import Ground, grounds_of, slopes_of
 
 if TYPE_CHECKING:
@@ -294,6 +295,11 @@ def _ends(xyz: NDArray[np.floating], site: Site) -> Array:
 
     The end of evenly spread points lies beyond the outermost by their mean distance, which the outermost few tell.
     """
+    shape = next((shape for shape in site.grounds if shape != RECTANGLE), None)
+    if shape is not None:
+        upright = site.points[np.abs(site.normals[:, 2]) < UPRIGHT]
+        ends = ends_over(shape, site.grounds[shape][0], xyz, upright, site.spacing)
+        return np.column_stack([ends, np.full(len(ends), site.bottom - 1.0)])
     found = []
     frame = np.concatenate([_near(xyz[k : k + CHUNK], site) for k in range(0, len(xyz), CHUNK)])
     for axis, side in zip(*np.nonzero(~site.walled), strict=True):

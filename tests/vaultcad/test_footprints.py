@@ -1,0 +1,95 @@
+"""Ground that is no rectangle: told by normals, and the families over it recognised in small virtual rooms."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi, remainder
+
+import numpy as np
+import pytest
+
+from families import Annular, Barrel, Cloister, Conch, Dome, Groin, Pointed, Rotunda, Sail, Segmental, Trough, Vault
+from families.declaration.footprint import DISC, HALF_DISC, POLYGON, RECTANGLE, SECTOR
+from segmentation import compare
+from segmentation.cloud import Cloud
+from vaultcad.pipeline import fit_scan
+from vaultcad.scanner import ScannerSettings, VirtualScan, scan
+from vaultcad.survey.thinned_scan import Site, survey
+
+YAW = 0.4
+SETTINGS = ScannerSettings(points=50_000, stations=2, noise=0.003, settlement=0.02, yaw=YAW)
+PIERS = replace(SETTINGS, walls="piers")
+
+
+def scanned(vault: Vault, settings: ScannerSettings = SETTINGS) -> VirtualScan:
+    return scan(vault, settings, rng=np.random.default_rng(4))
+
+
+def site_of(vault: Vault) -> Site:
+    return survey(Cloud(scanned(vault).xyz.astype(np.float32)))
+
+
+@pytest.mark.parametrize("vault", [Groin(), Barrel(), Trough(), Sail(), Dome()], ids=lambda vault: vault.id)
+def test_over_a_rectangle_nothing_else_is_looked_for(vault: Vault) -> None:
+    assert list(site_of(vault).grounds) == [RECTANGLE]
+
+
+@pytest.mark.parametrize(
+    ("vault", "shapes"),
+    [
+        (Rotunda(2.5), {DISC}),
+        (Conch(2.5), {HALF_DISC}),
+        (Annular(5.0, 0.5, 2.0), {SECTOR}),
+        (Annular(5.0, 0.5, 2 * pi), {SECTOR}),
+        (Cloister(6, 2.5), {POLYGON}),
+        (Cloister(8, 2.5, Segmental(0.4), 0.3, crossing=1), {POLYGON}),
+    ],
+    ids=lambda value: getattr(value, "id", ""),
+)
+def test_normals_tell_footprint_place_and_turn(vault: Vault, shapes: set[str]) -> None:
+    grounds = site_of(vault).grounds
+    assert set(grounds) == {RECTANGLE, *shapes}
+    (ground,) = grounds[min(shapes)]
+    c, s = np.cos(YAW), np.sin(YAW)
+    centre = np.array([[c, -s], [s, c]]) @ vault.plan.centre
+    assert np.hypot(*(centre - [ground.x, ground.y])) < 0.1
+    if isinstance(vault, Cloister):
+        turn = pi / 2 if vault.crossing else 2 * pi / vault.sides
+        assert ground.footprint.sides == vault.webs
+        assert ground.footprint.diagonal == pytest.approx(1.3 if vault.crossing else 1.0, abs=0.1)
+        assert ground.footprint.radius == pytest.approx(vault.radius, abs=0.2)
+    else:
+        turn = 2 * pi
+        assert ground.footprint.angle == pytest.approx(vault.angle if isinstance(vault, Annular) else 2 * pi, abs=0.1)
+    if not vault.plan.turns:
+        assert remainder(ground.yaw - YAW, turn) == pytest.approx(0, abs=0.06)
+
+
+@pytest.mark.parametrize(
+    ("vault", "settings"),
+    [
+        (Rotunda(2.2, Pointed(0.7)), SETTINGS),
+        (Conch(2.2), SETTINGS),
+        (Annular(4.0, 0.6, pi / 2), SETTINGS),
+        (Cloister(8, 2.2), SETTINGS),
+        (Cloister(12, 2.2, Segmental(0.4)), SETTINGS),
+        (Cloister(8, 2.5, Segmental(0.4), 0.3, crossing=1), PIERS),
+        (Barrel(3.0, 5.0, Segmental(0.3), slope=0.35), SETTINGS),
+        (Barrel(3.0, 3.0, Segmental(0.3), splay=-0.3), SETTINGS),
+    ],
+    ids=lambda value: getattr(value, "id", ""),
+)
+def test_a_vault_over_other_ground_is_recognised(vault: Vault, settings: ScannerSettings) -> None:
+    virtual = scanned(vault, settings)
+    result = fit_scan(Cloud(virtual.xyz.astype(np.float32)))
+    (fitted,) = result.model.vaults
+    assert type(fitted.vault) is type(vault)
+    assert compare(result.labels.component, virtual.component).mean_iou > 0.95
+    assert fitted.vault.values() == pytest.approx(vault.values(), abs=0.06)
+
+
+@pytest.mark.parametrize("vault", [Trough(), Annular(5.5, 0.5, 2.3)], ids=lambda vault: vault.id)
+def test_haunches_alone_do_not_lean(vault: Vault) -> None:
+    result = fit_scan(Cloud(vault.sample(100_000, np.random.default_rng(3)).xyz.astype(np.float32)))
+    assert not result.model.notes
+    assert type(result.model.vaults[0].vault) is type(vault)
