@@ -23,7 +23,7 @@ from families.solid.splines import spread
 Array = NDArray[np.float64]
 SAME_HEIGHT = 1e-7  # [m], heights nearer than that are one
 LOOKED = np.linspace(0, 1, 257)  # where a curve is looked at before it is laid
-NODES = 25, 49, 97, 193, 385  # places through which it is laid, so many that it is near enough
+NODES = 49, 97, 193, 385  # places through which it is laid, so many that it is near enough
 NEAR_ENOUGH = 2e-8  # [m] that it may be off the surfaces between these
 INWARDS = 1e-3  # [m] beside an edge on which two roofs are as high all along, where it is looked which shows
 HALVED = 14  # times that a cell may be halved
