@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise, product
-from math import floor
+from math import floor, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +78,8 @@ class Net:
         return found
 
     def _vertex(self, x: float, y: float, z: float) -> int:
+        if not isfinite(x + y + z):
+            raise ValueError("an edge of this vault cannot be followed to its end; change a parameter a little")
         low, high = (floor(x - ONE), floor(y - ONE), floor(z - ONE)), (floor(x + ONE), floor(y + ONE), floor(z + ONE))
         for key in (low,) if low == high else product(*map(set, zip(low, high, strict=True))):
             for k in self._near.get(key, ()):

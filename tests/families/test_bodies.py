@@ -149,6 +149,11 @@ def test_faces_share_edges_and_cells_are_joined_without_sewing():
     assert all(face.Location().IsIdentity() for face in faces(shape))
 
 
+def test_an_edge_that_leads_nowhere_is_told():
+    with pytest.raises(ValueError, match="change a parameter a little"):
+        Net().vertex((0.0, float("nan"), 0.0))
+
+
 def test_a_ridge_that_ends_where_an_arc_does_is_one_edge():
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.GeomAbs import GeomAbs_BSplineCurve
