@@ -20,6 +20,7 @@ from vaultcad.fit.label import label
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
+from vaultcad.survey.parting import part
 from vaultcad.survey.thinned_scan import Site, Thin, find_site
 
 Array = NDArray[np.float64]
@@ -61,6 +62,34 @@ def find_vaults(
     demands: Demands = NONE,
 ) -> tuple[Found, ...]:
     """All vaults of a scan, from its thinned points and all of them (n, 3) [m], with what is demanded of each.
+
+    Raises:
+        NoVaultError: there is none.
+    """
+    parting = part(thin, xyz)
+    if not parting.parted:
+        return _under_one_ceiling(thin, xyz, families, rng, demands)
+    found: list[Found] = []
+    refusals = []
+    for ceiling, own in zip(parting.ceilings, rng.spawn(len(parting.ceilings)), strict=True):
+        try:
+            mine = ceiling.part.thinned(thin), xyz[ceiling.part.holds(xyz)]
+            found += _under_one_ceiling(*mine, families, own, demands)
+        except NoVaultError as error:
+            refusals.append(error)
+    if not found:
+        raise refusals[0]
+    return tuple(found)
+
+
+def _under_one_ceiling(
+    thin: Thin,
+    xyz: NDArray[np.floating],
+    families: Sequence[type[Vault]],
+    rng: np.random.Generator,
+    demands: Demands,
+) -> tuple[Found, ...]:
+    """The vaults of a scan, or of a part of it, that hang together.
 
     Raises:
         NoVaultError: there is none.

@@ -1,0 +1,200 @@
+"""A scan parted by what hangs in it: the ceilings that go on in plan, each with the walls about it, and the arches between.
+
+Patches whose outlines touch in plan are one ceiling, however far a drum lifts the one over the other; soffits of arches,
+the walls between rooms, and what hangs above another ceiling part them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vaultcad.survey.patches import Patches, ceilings_of
+from vaultcad.survey.soffits import Soffit, soffits_of
+from vaultcad.survey.thinned_scan import CHUNK, UPRIGHT, Thin
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+CELL = 0.1, 1.5  # m and spacings; edge of the plan's cells, at least
+TOUCH = 0.25  # m between two patches of one ceiling in plan at most
+OVER = 0.3  # share of the lesser patch's plan from which on it hangs over or under another
+LEAST = 1.5  # m², of a ceiling
+PIER = 0.5  # m beyond a soffit's ends where ceilings are still parted
+AROUND = 0.6  # m about a ceiling that belongs to it: its haunches and walls
+ABOVE = 0.3  # m above a ceiling that belongs to it
+FACE = 0.04  # m beyond its soffit in which an arch's faces lie
+INNER = 0.01  # m within its edges from which on all is an arch's
+
+
+@dataclass(frozen=True)
+class Ceiling:
+    """One ceiling. points: (n, 3) of its patches [m]. area: [m²], along the stone. part: whose points are its own."""
+
+    points: Array
+    area: float
+    part: Part
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of the plan, in cells of `cell` [m] from `low` (2,) on.
+
+    held: (nx, ny). bottom, top: (nx, ny) heights [m] between which its points lie. arches: whose points are not.
+    """
+
+    low: Array
+    cell: float
+    held: Mask
+    bottom: Array
+    top: Array
+    arches: tuple[Soffit, ...]
+
+    def holds(self, points: NDArray[np.floating], margin: float = -INNER) -> Mask:
+        """Which points (n, 3) [m] are its own, and no arch's; `margin` [m]: by how much those are wider."""
+        found = np.zeros(len(points), np.bool_)
+        for k in range(0, len(points), CHUNK):
+            found[k : k + CHUNK] = self._holds(points[k : k + CHUNK], margin)
+        return found
+
+    def _holds(self, points: NDArray[np.floating], margin: float) -> Mask:
+        at = np.floor((points[:, :2] - self.low) / self.cell).astype(np.int64)
+        inside = ((at >= 0) & (at < self.held.shape)).all(axis=1)
+        i, j = np.where(inside[:, None], at, 0).T
+        found: Mask = inside & self.held[i, j] & (points[:, 2] > self.bottom[i, j]) & (points[:, 2] < self.top[i, j])
+        mine = np.flatnonzero(found)
+        for arch in self.arches:
+            found[mine[arch.holds(points[mine], margin)]] = False
+        return found
+
+    def thinned(self, thin: Thin) -> Thin:
+        """Its points of a thinned scan; none of the faces of arches."""
+        mine = self.holds(thin.points)
+        (upright,) = np.nonzero(mine & (np.abs(thin.normals[:, 2]) < UPRIGHT))
+        mine[upright] = self.holds(thin.points[upright], FACE)
+        return thin.only(mine)
+
+
+@dataclass(frozen=True)
+class Parting:
+    """The ceilings of a scan, the largest first, and the soffits of the arches between them."""
+
+    ceilings: tuple[Ceiling, ...]
+    soffits: tuple[Soffit, ...]
+
+    @property
+    def parted(self) -> bool:
+        """Whether there is more than one room under one ceiling."""
+        return len(self.ceilings) > 1 or bool(self.soffits)
+
+
+def part(thin: Thin, xyz: NDArray[np.floating]) -> Parting:
+    """Part a scan, from its thinned points and all of them (n, 3) [m]."""
+    patches = ceilings_of(thin)
+    soffits, arches = soffits_of(patches, xyz)
+    hung = patches.only(~arches)
+    if hung.count == 0:
+        return Parting((), soffits)
+    plan = _Plan.of(hung)
+    number = plan.ceilings(soffits)
+    areas = np.bincount(number, hung.areas)
+    chosen = [k for k in np.argsort(-areas, kind="stable").tolist() if areas[k] >= LEAST]
+    parts = plan.parts([number == k for k in chosen], soffits)
+    return Parting(
+        tuple(
+            Ceiling(hung.points[(number == k)[hung.patch]], float(areas[k]), mine)
+            for k, mine in zip(chosen, parts, strict=True)
+        ),
+        soffits,
+    )
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """Patches over the cells of a plan: of each cell and patch over it the mean height [m]; each (k,)."""
+
+    patches: Patches
+    low: Array
+    cell: float
+    shape: tuple[int, int]
+    column: Ints
+    patch: Ints
+    height: Array
+
+    @classmethod
+    def of(cls, patches: Patches) -> _Plan:
+        cell = max(CELL[0], CELL[1] * patches.spacing)
+        low = patches.points[:, :2].min(axis=0) - AROUND - cell
+        at = np.floor((patches.points[:, :2] - low) / cell).astype(np.int64)
+        shape = tuple((np.floor((patches.points[:, :2].max(axis=0) + AROUND - low) / cell).astype(int) + 2).tolist())
+        key, where, counts = np.unique(
+            (at[:, 0] * shape[1] + at[:, 1]) * patches.count + patches.patch, return_inverse=True, return_counts=True
+        )
+        height = np.bincount(where, patches.points[:, 2]) / counts
+        return cls(patches, low, cell, shape, key // patches.count, key % patches.count, height)
+
+    def ceilings(self, soffits: tuple[Soffit, ...]) -> Ints:
+        """(count,) the ceiling of each patch; soffits part them, and so do the piers at their ends."""
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+        from scipy.spatial import cKDTree
+
+        count = self.patches.count
+        places = np.column_stack(np.divmod(self.column, self.shape[1])) * self.cell
+        a, b = cKDTree(places).query_pairs(TOUCH, output_type="ndarray").T
+        other = self.patch[a] != self.patch[b]
+        a, b = a[other], b[other]
+        middle = (places[a] + places[b]) / 2 + self.low + self.cell / 2
+        for soffit in soffits:
+            free = ~soffit.holds(middle, along=PIER)
+            a, b, middle = a[free], b[free], middle[free]
+        pair = np.sort(np.column_stack([self.patch[a], self.patch[b]]), axis=1)
+        same_place = self.column[a] == self.column[b]
+        links, where = np.unique(pair[:, 0] * count + pair[:, 1], return_inverse=True)
+        overlap = np.bincount(where, same_place, len(links))
+        i, j = np.divmod(links, count)
+        columns = np.bincount(self.patch, minlength=count)
+        beside = overlap < OVER * np.minimum(columns[i], columns[j])
+        graph = coo_array((np.ones(beside.sum(), np.bool_), (i[beside], j[beside])), shape=(count, count))
+        _, number = connected_components(graph, directed=False)
+        return np.asarray(number, np.int64)
+
+    def parts(self, ceilings: list[Mask], soffits: tuple[Soffit, ...]) -> list[Part]:
+        """The part of each ceiling, told by masks (count,) of patches: where it is the nearest one of its storey."""
+        from scipy.ndimage import distance_transform_edt
+
+        owner = np.full(self.patches.count, -1)
+        for k, mask in enumerate(ceilings):
+            owner[mask] = k
+        tops = np.full((len(ceilings), *self.shape), np.nan)
+        i, j = np.divmod(self.column, self.shape[1])
+        for k in range(len(ceilings)):
+            mine = owner[self.patch] == k
+            np.fmax.at(tops[k], (i[mine], j[mine]), self.height[mine])
+        away = np.stack([distance_transform_edt(np.isnan(top)) * self.cell for top in tops])
+        found = []
+        for k, top in enumerate(tops):
+            crown = np.nanmax(top)
+            lower = np.array([np.nanmax(other) < crown and self._overlap(top, other) for other in tops])
+            higher = np.array([np.nanmax(other) >= crown and self._overlap(top, other) for other in tops])
+            higher[k] = False
+            beside = ~lower & ~higher
+            beside[k] = False
+            held = away[k] < AROUND
+            if beside.any():
+                held &= away[k] <= away[beside].min(axis=0)
+            bottom = np.full(self.shape, -np.inf)
+            if lower.any():
+                bottom = np.fmax(
+                    bottom, np.nanmax(np.where(np.isnan(tops[lower]), -np.inf, tops[lower]), axis=0) + ABOVE
+                )
+            found.append(Part(self.low, self.cell, held, bottom, np.full(self.shape, crown + ABOVE), soffits))
+        return found
+
+    @staticmethod
+    def _overlap(one: Array, other: Array) -> bool:
+        both = np.isfinite(one) & np.isfinite(other)
+        return bool(both.sum() > OVER * min(np.isfinite(one).sum(), np.isfinite(other).sum()))

@@ -1,0 +1,169 @@
+"""Soffits of arches among the patches of a ceiling: strips between two vaults, and lower than both."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vaultcad.survey.patches import Patches
+from vaultcad.survey.thinned_scan import CHUNK
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+ACROSS, OFF, STRAY = (
+    0.12,
+    0.25,
+    0.15,
+)  # |cosine| between normals of a soffit and its generatrices: rms; of strays; their share
+WIDTH = 0.12, 1.6  # m, of a soffit
+SLENDER = 0.6  # width / length at most
+WITHIN = 0.015, 0.985  # quantiles between which a patch lies
+BIN = 0.1  # m along the span, in which a soffit's height is taken
+BESIDE = 0.6  # m beyond the edges of a soffit where the ceilings beside it are looked for
+HIGHER, ALONG = 0.04, 0.3  # m that a ceiling is above the soffit beside it; share of its length along which it must be
+SOFFIT = 0.03  # m; points so near a soffit's curve are its own
+EDGE = 0.01, 0.15  # share of its points beyond its edge; m that the edge is beyond its patch at most
+STRIP, FEWEST = 0.25, 3  # m along a soffit in which its edges are measured, and in how many
+SEEN = 0.25, 0.75  # quantiles of those edges
+NEAR = 0.2  # m, cells of the plan in which its points are looked up
+
+
+@dataclass(frozen=True)
+class Soffit:
+    """Where the soffit of an arch lies.
+
+    place: (2,) its middle in plan [m]. yaw: of the span [rad]. length, width: of its rectangle in plan [m].
+    curve: (k, 2) places along the span [m] and heights [m], in order. points: (n, 3) of its patch [m].
+    """
+
+    place: Array
+    yaw: float
+    length: float
+    width: float
+    curve: Array
+    points: Array
+
+    def local(self, xy: NDArray[np.floating]) -> tuple[Array, Array]:
+        """How far points (n, 2 or 3) are along the span and across it from the middle [m]."""
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        x, y = xy[:, 0] - self.place[0], xy[:, 1] - self.place[1]
+        return c * x + s * y, c * y - s * x
+
+    def holds(self, xy: NDArray[np.floating], across: float = 0.0, along: float = 0.0) -> Mask:
+        """Which points (n, 2 or 3) lie over its rectangle, grown by so much across its span and along it [m]."""
+        u, v = self.local(xy)
+        found: Mask = (np.abs(u) < self.length / 2 + along) & (np.abs(v) < self.width / 2 + across)
+        return found
+
+    def height(self, along: Array) -> Array:
+        """Of the soffit (n,) [m], that far along the span; of its ends beyond them."""
+        return np.interp(along, self.curve[:, 0], self.curve[:, 1])
+
+
+def soffits_of(patches: Patches, xyz: NDArray[np.floating]) -> tuple[tuple[Soffit, ...], Mask]:
+    """The soffits between vaults, and which patches they are (count,); `xyz` (n, 3) [m] tell their edges."""
+    strips = {k: strip for k in range(patches.count) if (strip := _strip(patches, k)) is not None}
+    rest = ~np.isin(patches.patch, list(strips))
+    found = {k: strip for k, strip in strips.items() if _is_between(strip, patches.points[rest])}
+    chosen = np.zeros(patches.count, np.bool_)
+    chosen[list(found)] = True
+    return tuple(_edged(list(found.values()), xyz)), chosen
+
+
+def _strip(patches: Patches, k: int) -> Soffit | None:
+    """A patch as a strip, if its normals are at right angles to one level direction, along which it is narrow."""
+    mine = patches.patch == k
+    points, normals = patches.points[mine], patches.normals[mine]
+    level = normals[:, :2]
+    _, vectors = np.linalg.eigh(level.T @ level)
+    own = np.abs(level @ vectors[:, 0]) < OFF
+    points, level = points[own], level[own]
+    values, vectors = np.linalg.eigh(level.T @ level / len(level))
+    if own.mean() < 1 - STRAY or values[0] > ACROSS**2:
+        return None
+    if values[1] < ACROSS**2:  # a level one: its own outline tells
+        _, vectors = np.linalg.eigh(np.cov(points[:, :2].T))
+    across = vectors[:, 0]
+    yaw = float(np.arctan2(-across[0], across[1]))
+    c, s = np.cos(yaw), np.sin(yaw)
+    frame = points[:, :2] @ np.array([[c, -s], [s, c]])
+    low, high = np.quantile(frame, WITHIN, axis=0)
+    length, width = (high - low + patches.spacing).tolist()
+    if not WIDTH[0] < width < min(WIDTH[1], SLENDER * length):
+        return None
+    middle = (low + high) / 2
+    place = np.array([c * middle[0] - s * middle[1], s * middle[0] + c * middle[1]])
+    bins = np.floor((frame[:, 0] - middle[0]) / BIN).astype(np.int64)
+    order = np.argsort(bins, kind="stable")
+    groups = np.split(order, np.flatnonzero(np.diff(bins[order])) + 1)
+    curve = np.array([[frame[g, 0].mean() - middle[0], np.median(points[g, 2])] for g in groups])
+    return Soffit(place, yaw, length, width, curve, points)
+
+
+def _is_between(soffit: Soffit, ceiling: Array) -> bool:
+    """Whether ceilings (n, 3) [m] go on on both sides of a soffit, higher than it, along much of it."""
+    along, across = soffit.local(ceiling)
+    near = (np.abs(along) < soffit.length / 2) & (np.abs(across) < soffit.width / 2 + BESIDE)
+    along, across, height = along[near], across[near], ceiling[near, 2]
+    higher = height - soffit.height(along)
+    bins = np.floor(along / BIN).astype(np.int64)
+    for side in (-1, 1):
+        on = side * across > 0
+        tops = {k: np.median(higher[on & (bins == k)]) for k in np.unique(bins[on])}
+        if sum(top > HIGHER for top in tops.values()) * BIN < ALONG * soffit.length:
+            return False
+    return True
+
+
+def _edged(soffits: list[Soffit], xyz: NDArray[np.floating]) -> Iterator[Soffit]:
+    """Soffits up to their edges, which the points of the scan tell: patches end before."""
+    near = _near(soffits, xyz)
+    for soffit in soffits:
+        for _ in range(2):  # turned, then measured
+            soffit = _measured(soffit, near[soffit.holds(near, EDGE[1])].astype(np.float64))
+        yield soffit
+
+
+def _measured(soffit: Soffit, near: Array) -> Soffit:
+    """A soffit up to the edges of its own of these points (n, 3) [m], in their direction."""
+    along, across = soffit.local(near)
+    on = np.abs(near[:, 2] - soffit.height(along)) < SOFFIT
+    along, across = along[on], across[on]
+    strip = np.floor(along / STRIP).astype(np.int64)
+    strips = [across[strip == k] for k in np.unique(strip)]
+    edges = np.array([np.quantile(part, [EDGE[0], 1 - EDGE[0]]) for part in strips if len(part) > 2 / EDGE[0]])
+    if len(edges) < FEWEST:
+        return soffit
+    middles = np.array([k for k in np.unique(strip) if (strip == k).sum() > 2 / EDGE[0]]) * STRIP + STRIP / 2
+    turn, shift = np.polyfit(middles, edges.mean(axis=1), 1)
+    # Where the scanner did not see to the edge, it is farther out.
+    low, high = np.quantile(edges - (shift + turn * middles)[:, None], SEEN, axis=0).diagonal()
+    shift += (low + high) / 2
+    c, s = np.cos(soffit.yaw), np.sin(soffit.yaw)
+    return replace(
+        soffit,
+        place=soffit.place + shift * np.array([-s, c]),
+        yaw=soffit.yaw + float(np.arctan(turn)),
+        width=float(high - low),
+    )
+
+
+def _near(soffits: list[Soffit], xyz: NDArray[np.floating]) -> NDArray[np.floating]:
+    """The points (m, 3) near any of the soffits in plan."""
+    if not soffits:
+        return xyz[:0]
+    low = np.min([s.place - s.length for s in soffits], axis=0)
+    shape = np.floor((np.max([s.place + s.length for s in soffits], axis=0) - low) / NEAR).astype(np.int64) + 1
+    middles = low + NEAR * (np.stack(np.indices(shape), axis=-1).reshape(-1, 2) + 0.5)
+    held = np.any([s.holds(middles, EDGE[1] + NEAR, NEAR) for s in soffits], axis=0).reshape(shape)
+    mine = np.zeros(len(xyz), np.bool_)
+    for k in range(0, len(xyz), CHUNK):
+        at = np.floor((xyz[k : k + CHUNK, :2] - low) / NEAR).astype(np.int64)
+        inside = ((at >= 0) & (at < shape)).all(axis=1)
+        i, j = np.where(inside[:, None], at, 0).T
+        mine[k : k + CHUNK] = inside & held[i, j]
+    return xyz[mine]
