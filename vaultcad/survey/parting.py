@@ -1,7 +1,7 @@
-"""A scan parted by what hangs in it: the ceilings that go on in plan, each with the walls about it, and the arches between.
+"""A scan parted by what hangs in it: ceilings that go on in plan, with the walls about them, and arches between.
 
-Patches whose outlines touch in plan are one ceiling, however far a drum lifts the one over the other; soffits of arches,
-the walls between rooms, and what hangs above another ceiling part them.
+Patches whose outlines touch in plan are one ceiling, however far a drum lifts the one over the other; soffits of
+arches, the walls between rooms, and what hangs above another ceiling part them.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.survey.patches import Patches, ceilings_of
+from vaultcad.survey.plan_grid import PlanGrid
 from vaultcad.survey.soffits import Soffit, soffits_of
-from vaultcad.survey.thinned_scan import CHUNK, UPRIGHT, Thin
+from vaultcad.survey.thinned_scan import UPRIGHT, Thin
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -21,6 +22,7 @@ Mask = NDArray[np.bool_]
 
 CELL = 0.1, 1.5  # m and spacings; edge of the plan's cells, at least
 TOUCH = 0.25  # m between two patches of one ceiling in plan at most
+CONTACT = 15  # pairs of cells, one of either patch, that touch: a few where only corners do
 OVER = 0.3  # share of the lesser patch's plan from which on it hangs over or under another
 LEAST = 1.5  # m², of a ceiling
 PIER = 0.5  # m beyond a soffit's ends where ceilings are still parted
@@ -41,33 +43,26 @@ class Ceiling:
 
 @dataclass(frozen=True)
 class Part:
-    """A part of the plan, in cells of `cell` [m] from `low` (2,) on.
+    """A part of the plan: the cells that are held (nx, ny).
 
-    held: (nx, ny). bottom, top: (nx, ny) heights [m] between which its points lie. arches: whose points are not.
+    bottom, top: heights [m] between which its points lie, the lower one (nx, ny). arches: whose points are not.
     """
 
-    low: Array
-    cell: float
+    grid: PlanGrid
     held: Mask
     bottom: Array
-    top: Array
+    top: float
     arches: tuple[Soffit, ...]
 
     def holds(self, points: NDArray[np.floating], margin: float = -INNER) -> Mask:
         """Which points (n, 3) [m] are its own, and no arch's; `margin` [m]: by how much those are wider."""
-        found = np.zeros(len(points), np.bool_)
-        for k in range(0, len(points), CHUNK):
-            found[k : k + CHUNK] = self._holds(points[k : k + CHUNK], margin)
-        return found
-
-    def _holds(self, points: NDArray[np.floating], margin: float) -> Mask:
-        at = np.floor((points[:, :2] - self.low) / self.cell).astype(np.int64)
-        inside = ((at >= 0) & (at < self.held.shape)).all(axis=1)
-        i, j = np.where(inside[:, None], at, 0).T
-        found: Mask = inside & self.held[i, j] & (points[:, 2] > self.bottom[i, j]) & (points[:, 2] < self.top[i, j])
-        mine = np.flatnonzero(found)
+        found = self.grid.holds(self.held, points)
+        (mine,) = np.nonzero(found)
+        height = points[mine, 2]
+        own = (height > self.bottom.ravel()[self.grid.numbers(points[mine])]) & (height < self.top)
         for arch in self.arches:
-            found[mine[arch.holds(points[mine], margin)]] = False
+            own &= ~arch.holds(points[mine], margin)
+        found[mine] = own
         return found
 
     def thinned(self, thin: Thin) -> Thin:
@@ -117,24 +112,16 @@ class _Plan:
     """Patches over the cells of a plan: of each cell and patch over it the mean height [m]; each (k,)."""
 
     patches: Patches
-    low: Array
-    cell: float
-    shape: tuple[int, int]
+    grid: PlanGrid
     column: Ints
     patch: Ints
     height: Array
 
     @classmethod
     def of(cls, patches: Patches) -> _Plan:
-        cell = max(CELL[0], CELL[1] * patches.spacing)
-        low = patches.points[:, :2].min(axis=0) - AROUND - cell
-        at = np.floor((patches.points[:, :2] - low) / cell).astype(np.int64)
-        shape = tuple((np.floor((patches.points[:, :2].max(axis=0) + AROUND - low) / cell).astype(int) + 2).tolist())
-        key, where, counts = np.unique(
-            (at[:, 0] * shape[1] + at[:, 1]) * patches.count + patches.patch, return_inverse=True, return_counts=True
-        )
-        height = np.bincount(where, patches.points[:, 2]) / counts
-        return cls(patches, low, cell, shape, key // patches.count, key % patches.count, height)
+        low, high = patches.bounds
+        grid = PlanGrid.over(low - AROUND, high + AROUND, max(CELL[0], CELL[1] * patches.spacing))
+        return cls(patches, grid, *patches.over(grid))
 
     def ceilings(self, soffits: tuple[Soffit, ...]) -> Ints:
         """(count,) the ceiling of each patch; soffits part them, and so do the piers at their ends."""
@@ -143,21 +130,22 @@ class _Plan:
         from scipy.spatial import cKDTree
 
         count = self.patches.count
-        places = np.column_stack(np.divmod(self.column, self.shape[1])) * self.cell
+        places = self.grid.places(self.column)
         a, b = cKDTree(places).query_pairs(TOUCH, output_type="ndarray").T
         other = self.patch[a] != self.patch[b]
         a, b = a[other], b[other]
-        middle = (places[a] + places[b]) / 2 + self.low + self.cell / 2
+        middle = (places[a] + places[b]) / 2
         for soffit in soffits:
             free = ~soffit.holds(middle, along=PIER)
             a, b, middle = a[free], b[free], middle[free]
         pair = np.sort(np.column_stack([self.patch[a], self.patch[b]]), axis=1)
         same_place = self.column[a] == self.column[b]
         links, where = np.unique(pair[:, 0] * count + pair[:, 1], return_inverse=True)
-        overlap = np.bincount(where, same_place, len(links))
+        touching, overlap = np.bincount(where, minlength=len(links)), np.bincount(where, same_place, len(links))
         i, j = np.divmod(links, count)
         columns = np.bincount(self.patch, minlength=count)
-        beside = overlap < OVER * np.minimum(columns[i], columns[j])
+        lesser = np.minimum(columns[i], columns[j])
+        beside = (overlap < OVER * lesser) & (touching >= np.minimum(CONTACT, lesser))
         graph = coo_array((np.ones(beside.sum(), np.bool_), (i[beside], j[beside])), shape=(count, count))
         _, number = connected_components(graph, directed=False)
         return np.asarray(number, np.int64)
@@ -169,32 +157,23 @@ class _Plan:
         owner = np.full(self.patches.count, -1)
         for k, mask in enumerate(ceilings):
             owner[mask] = k
-        tops = np.full((len(ceilings), *self.shape), np.nan)
-        i, j = np.divmod(self.column, self.shape[1])
-        for k in range(len(ceilings)):
-            mine = owner[self.patch] == k
-            np.fmax.at(tops[k], (i[mine], j[mine]), self.height[mine])
-        away = np.stack([distance_transform_edt(np.isnan(top)) * self.cell for top in tops])
-        found = []
+        tops = np.full((len(ceilings), *self.grid.shape), np.nan)
         for k, top in enumerate(tops):
-            crown = np.nanmax(top)
-            lower = np.array([np.nanmax(other) < crown and self._overlap(top, other) for other in tops])
-            higher = np.array([np.nanmax(other) >= crown and self._overlap(top, other) for other in tops])
-            higher[k] = False
-            beside = ~lower & ~higher
-            beside[k] = False
-            held = away[k] < AROUND
-            if beside.any():
-                held &= away[k] <= away[beside].min(axis=0)
-            bottom = np.full(self.shape, -np.inf)
-            if lower.any():
-                bottom = np.fmax(
-                    bottom, np.nanmax(np.where(np.isnan(tops[lower]), -np.inf, tops[lower]), axis=0) + ABOVE
-                )
-            found.append(Part(self.low, self.cell, held, bottom, np.full(self.shape, crown + ABOVE), soffits))
+            mine = owner[self.patch] == k
+            np.fmax.at(top.reshape(-1), self.column[mine], self.height[mine])
+        away = np.stack([distance_transform_edt(np.isnan(top)) * self.grid.cell for top in tops])
+        crowns = np.nanmax(tops, axis=(1, 2))
+        over = np.array([[_overlap(one, other) for other in tops] for one in tops])
+        found = []
+        for k, crown in enumerate(crowns):
+            beside, below = ~over[k], over[k] & (crowns < crown)
+            held = away[k] < np.minimum(AROUND, away[beside].min(axis=0, initial=np.inf) + self.grid.cell / 1e6)
+            bottom = np.fmax.reduce(tops[below], axis=0, initial=np.nan) + ABOVE
+            found.append(Part(self.grid, held, np.nan_to_num(bottom, nan=-np.inf), float(crown) + ABOVE, soffits))
         return found
 
-    @staticmethod
-    def _overlap(one: Array, other: Array) -> bool:
-        both = np.isfinite(one) & np.isfinite(other)
-        return bool(both.sum() > OVER * min(np.isfinite(one).sum(), np.isfinite(other).sum()))
+
+def _overlap(one: Array, other: Array) -> bool:
+    """Whether of two ceilings, heights over the plan (nx, ny), one hangs over the other; it does so over itself."""
+    one_there, other_there = np.isfinite(one), np.isfinite(other)
+    return bool((one_there & other_there).sum() > OVER * min(one_there.sum(), other_there.sum()))

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vaultcad.survey.plan_grid import PlanGrid
 from vaultcad.survey.thinned_scan import STEEP, Thin
 
 Array = NDArray[np.float64]
@@ -46,8 +47,19 @@ class Patches:
     @property
     def areas(self) -> Array:
         """(count,) [m²] of each, seen along its normals."""
-        areas: Array = np.bincount(self.patch, minlength=self.count) * self.spacing**2
-        return areas
+        return np.asarray(np.bincount(self.patch, minlength=self.count) * self.spacing**2, np.float64)
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Its corners in plan, (2,) each [m]."""
+        return self.points[:, :2].min(axis=0), self.points[:, :2].max(axis=0)
+
+    def over(self, grid: PlanGrid) -> tuple[Ints, Ints, Array]:
+        """Cells of a grid, patches over them, and the mean height of the one over the other [m]; each (k,)."""
+        key, where, counts = np.unique(
+            grid.numbers(self.points) * self.count + self.patch, return_inverse=True, return_counts=True
+        )
+        return key // self.count, key % self.count, np.bincount(where, self.points[:, 2]) / counts
 
     def only(self, kept: NDArray[np.bool_]) -> Patches:
         """The patches of a mask (count,), the largest first."""
@@ -128,12 +140,6 @@ def _has_room_below(patches: Patches) -> NDArray[np.bool_]:
 
 def _columns(patches: Patches) -> tuple[Ints, Ints, Array]:
     """By columns of the plan from below: the column, the patch, and its mean height there [m]; each (k,)."""
-    xy = np.floor((patches.points[:, :2] - patches.points[:, :2].min(axis=0)) / CELL).astype(np.int64)
-    column = xy[:, 0] * (xy[:, 1].max() + 1) + xy[:, 1]
-    key, first, where, counts = np.unique(
-        column * patches.count + patches.patch, return_index=True, return_inverse=True, return_counts=True
-    )
-    del key
-    height = np.bincount(where, patches.points[:, 2]) / counts
-    order = np.lexsort((height, column[first]))
-    return column[first][order], patches.patch[first][order], height[order]
+    column, patch, height = patches.over(PlanGrid.over(*patches.bounds, CELL))
+    order = np.lexsort((height, column))
+    return column[order], patch[order], height[order]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.survey.patches import Patches
-from vaultcad.survey.thinned_scan import CHUNK
+from vaultcad.survey.plan_grid import PlanGrid
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -123,13 +123,12 @@ def _edged(soffits: list[Soffit], xyz: NDArray[np.floating]) -> Iterator[Soffit]
     """Soffits up to their edges, which the points of the scan tell: patches end before."""
     near = _near(soffits, xyz)
     for soffit in soffits:
-        for _ in range(2):  # turned, then measured
-            soffit = _measured(soffit, near[soffit.holds(near, EDGE[1])].astype(np.float64))
-        yield soffit
+        yield _measured(_measured(soffit, near), near)  # turned, then measured
 
 
-def _measured(soffit: Soffit, near: Array) -> Soffit:
+def _measured(soffit: Soffit, points: NDArray[np.floating]) -> Soffit:
     """A soffit up to the edges of its own of these points (n, 3) [m], in their direction."""
+    near = points[soffit.holds(points, EDGE[1])].astype(np.float64)
     along, across = soffit.local(near)
     on = np.abs(near[:, 2] - soffit.height(along)) < SOFFIT
     along, across = along[on], across[on]
@@ -156,14 +155,8 @@ def _near(soffits: list[Soffit], xyz: NDArray[np.floating]) -> NDArray[np.floati
     """The points (m, 3) near any of the soffits in plan."""
     if not soffits:
         return xyz[:0]
-    low = np.min([s.place - s.length for s in soffits], axis=0)
-    shape = np.floor((np.max([s.place + s.length for s in soffits], axis=0) - low) / NEAR).astype(np.int64) + 1
-    middles = low + NEAR * (np.stack(np.indices(shape), axis=-1).reshape(-1, 2) + 0.5)
-    held = np.any([s.holds(middles, EDGE[1] + NEAR, NEAR) for s in soffits], axis=0).reshape(shape)
-    mine = np.zeros(len(xyz), np.bool_)
-    for k in range(0, len(xyz), CHUNK):
-        at = np.floor((xyz[k : k + CHUNK, :2] - low) / NEAR).astype(np.int64)
-        inside = ((at >= 0) & (at < shape)).all(axis=1)
-        i, j = np.where(inside[:, None], at, 0).T
-        mine[k : k + CHUNK] = inside & held[i, j]
-    return xyz[mine]
+    low = np.min([soffit.place - soffit.length for soffit in soffits], axis=0)
+    high = np.max([soffit.place + soffit.length for soffit in soffits], axis=0)
+    grid = PlanGrid.over(low, high, NEAR)
+    held = np.any([soffit.holds(grid.middles, EDGE[1] + NEAR, NEAR) for soffit in soffits], axis=0)
+    return xyz[grid.holds(held, xyz)]

@@ -1,0 +1,52 @@
+"""Square cells over a scan's plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vaultcad.survey.thinned_scan import CHUNK
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class PlanGrid:
+    """`shape` cells of an edge `cell` [m] from the corner `low` (2,) [m] on."""
+
+    low: Array
+    cell: float
+    shape: tuple[int, int]
+
+    @classmethod
+    def over(cls, low: Array, high: Array, cell: float) -> PlanGrid:
+        """Cells from one corner (2,) to the other [m] and beyond it."""
+        x, y = np.floor((high - low) / cell).astype(int) + 1
+        return cls(low, cell, (int(x), int(y)))
+
+    @property
+    def middles(self) -> Array:
+        """(nx * ny, 2) of the cells [m]."""
+        return self.places(np.arange(self.shape[0] * self.shape[1]))
+
+    def places(self, number: Ints) -> Array:
+        """(n, 2) the middles of cells with these numbers (n,) [m]."""
+        places: Array = self.low + self.cell * (np.column_stack(np.divmod(number, self.shape[1])) + 0.5)
+        return places
+
+    def numbers(self, points: NDArray[np.floating]) -> Ints:
+        """(n,) of the cells that points (n, 2 or 3) [m] lie over; -1 beyond them all."""
+        x, y = ((points[:, k] - self.low[k]) / self.cell for k in range(2))
+        i, j = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+        inside = (i >= 0) & (i < self.shape[0]) & (j >= 0) & (j < self.shape[1])
+        return np.where(inside, i * self.shape[1] + j, -1)
+
+    def holds(self, held: Mask, points: NDArray[np.floating]) -> Mask:
+        """Which points (n, 2 or 3) [m] lie over those of its cells that are held (nx * ny,)."""
+        beyond = np.append(held.ravel(), False)
+        found = [beyond[self.numbers(points[k : k + CHUNK])] for k in range(0, len(points), CHUNK)]
+        return np.concatenate(found) if found else np.zeros(0, np.bool_)
