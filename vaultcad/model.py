@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import cos, hypot, sin, sqrt
+from math import cos, hypot, nan, sin, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -231,6 +231,18 @@ class FittedVault(PlacedVault):
         return notebook.of_fitted(self)
 
 
+@dataclass(frozen=True)
+class FittedArch(FittedVault):
+    """An arch between vaults: its soffit, a barrel as long as the arch is wide, and how deep it is.
+
+    depth: by which it stands out under what is on its south and on its north side [m]; NaN under a wall. beside: the
+    vaults on these sides, by their numbers from 1; 0 for none.
+    """
+
+    depth: tuple[float, float] = (nan, nan)
+    beside: tuple[int, int] = (0, 0)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Assembly:
     """Vaults in one place, as exporters take them: drawn, or of a `Model`, which has the scan that they are of.
@@ -268,6 +280,7 @@ class Model(Assembly):
     """All that one run says of one scan."""
 
     vaults: tuple[FittedVault, ...]
+    arches: tuple[FittedArch, ...] = ()
     points: int
     bounds: NDArray[np.float64]  # (2, 3) in the scan's own coordinates
     settings: Mapping[str, Any] = field(default_factory=dict)

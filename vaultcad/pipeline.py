@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -17,11 +17,13 @@ from numpy.typing import NDArray
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
+from vaultcad.find.arches import FoundArch
 from vaultcad.find.choices import odds, rivals, widened
+from vaultcad.find.found import Found
 from vaultcad.find.recognise import confidence
-from vaultcad.find.search import Found, find_vaults
+from vaultcad.find.search import find_vaults
 from vaultcad.fit.demands import demand
-from vaultcad.fit.label import Labels, label
+from vaultcad.fit.label import ArchBand, Labels, label
 from vaultcad.fit.solve import Placed
 from vaultcad.fit.uncertainty import covariance, open_ends
 from vaultcad.legible import legible
@@ -29,7 +31,7 @@ from vaultcad.measure.as_built import displacement
 from vaultcad.measure.coverage import look
 from vaultcad.measure.deviation import summarise
 from vaultcad.measure.estimates import estimates
-from vaultcad.model import Component, Deviation, FittedVault, Model
+from vaultcad.model import Component, Deviation, FittedArch, FittedVault, Model
 from vaultcad.one_thread import one_thread
 from vaultcad.survey.lean import lean_of
 from vaultcad.survey.thinned_scan import Site, Thin, thin_scan
@@ -100,14 +102,18 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
     if lean is not None:  # all that follows is upright, but for the poses and points of the result
         thin, xyz = lean.thinned(thin), lean.levelled(cloud.xyz)
     with _stage("finding", seconds, progress):
-        found = find_vaults(thin, xyz, families, rng, demands)
-    bands = [(one.placed, one.tolerance) for one in found]
+        found = find_vaults(thin, xyz, families, rng, demands, progress)
+    bands = [(one.placed, one.tolerance) for one in found.vaults]
+    arched = [ArchBand(one.barrel.placed, one.barrel.tolerance, one.depth) for one in found.arches]
     with _stage("labelling", seconds, progress):
-        labels, thinned = label(xyz, bands), label(thin.points, bands)
+        labels, thinned = label(xyz, bands, arched), label(thin.points, bands, arched)
     with _stage("measuring", seconds, progress):
-        vaults = tuple(_measured(one, k, labels, thin, thinned, rng) for k, one in enumerate(found, 1))
+        scan = _Labelled(labels, thin, thinned)
+        vaults = tuple(scan.vault(one, k, rng) for k, one in enumerate(found.vaults, 1))
+        arches = tuple(scan.arch(one, k, found.vaults, rng) for k, one in enumerate(found.arches, 1))
     if lean is not None:
         vaults = tuple(replace(fitted, pose=lean.pose(fitted.pose)) for fitted in vaults)
+        arches = tuple(replace(fitted, pose=lean.pose(fitted.pose)) for fitted in arches)
     ends = cloud.in_file(np.array([cloud.xyz.min(axis=0), cloud.xyz.max(axis=0)]))
     model = Model(
         scan=legible(cloud.source or Path("scan")),
@@ -115,6 +121,7 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
         bounds=np.sort(ends, axis=0),
         origin=cloud.origin,
         vaults=vaults,
+        arches=arches,
         thickness=settings.thickness,
         settings={
             "families": [f.id for f in settings.families],
@@ -143,16 +150,53 @@ def _stage(name: str, seconds: dict[str, float], progress: Progress) -> Iterator
     LOG.info("%s took %.3f s", name, seconds[name])
 
 
+@dataclass(frozen=True)
+class _Labelled:
+    """The scan as it was labelled, and thinned likewise."""
+
+    labels: Labels
+    thin: Thin
+    thinned: Labels
+
+    def vault(self, found: Found, number: int, rng: np.random.Generator) -> FittedVault:
+        """The figures of the vault with that number.
+
+        Raises:
+            NoVaultError: not one point lies on it.
+        """
+        (points,) = np.nonzero(self.labels.vault == number)
+        mine = self.thinned.vault == number
+        return _measured(found, self, points, mine, self.labels.component[points], rng)
+
+    def arch(self, found: FoundArch, number: int, vaults: Sequence[Found], rng: np.random.Generator) -> FittedArch:
+        """The figures of the arch with that number.
+
+        Raises:
+            NoVaultError: not one point lies on it.
+        """
+        (points,) = np.nonzero(self.labels.arch == number)
+        mine = self.thinned.arch == number
+        fitted = _measured(found.barrel, self, points, mine, np.ones(len(points), np.uint16), rng)
+        south, north = found.depth.tolist()
+        known = {f.name: getattr(fitted, f.name) for f in fields(fitted)}
+        return FittedArch(**known, depth=(south, north), beside=found.beside(vaults))
+
+
 def _measured(
-    found: Found, number: int, labels: Labels, thin: Thin, thinned: Labels, rng: np.random.Generator
+    found: Found,
+    scan: _Labelled,
+    points: NDArray[np.int64],
+    mine: NDArray[np.bool_],
+    component: NDArray[np.uint16],
+    rng: np.random.Generator,
 ) -> FittedVault:
-    """The figures of the vault with that number.
+    """The figures of a vault: its points (n,), each of a component (n,), and which of the thinned ones are.
 
     Raises:
-        NoVaultError: not one point lies on it.
+        NoVaultError: not one is.
     """
     placed, frame = found.placed, found.placed.pose.frame()
-    mine = thinned.vault == number
+    thin, thinned = scan.thin, scan.thinned
     if not mine.any():
         raise NoVaultError("no vault found: no point lies on the best model; scan a whole bay, or crop to one")
     on = thin.points[mine] @ frame[:, :3].T + frame[:, 3]
@@ -163,8 +207,7 @@ def _measured(
     if any(apart):
         spread = replace(spread, matrix=spread.matrix + open_ends(solution, apart))
     told = estimates(solution, fitted, sight, spread, found.choices)
-    (points,) = np.nonzero(labels.vault == number)
-    component, deviation = labels.component[points], labels.deviation[points]
+    deviation = scan.labels.deviation[points]
     components = []
     for k, name in enumerate(placed.vault.components, 1):
         d = deviation[component == k]

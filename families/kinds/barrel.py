@@ -47,7 +47,7 @@ class Barrel(Vault):
     half_turn: ClassVar[Symmetry] = Symmetry(negated=("slope", "splay"))
 
     span: Annotated[float, Range(0.5, 40, "m", "clear width at the springing, across the axis")] = 5.0
-    length: Annotated[float, Range(0.5, 100, "m", "extent along the axis")] = 8.0
+    length: Annotated[float, Range(0.1, 100, "m", "extent along the axis")] = 8.0
     profile: Profile = Semicircular()
     slope: Annotated[float, Range(-1, 1, "1", "rise of the axis towards the north / length")] = 0.0
     splay: Annotated[float, Range(-0.8, 0.8, "1", "north end wider than the middle / span; the south end narrower")] = (

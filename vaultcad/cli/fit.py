@@ -110,6 +110,7 @@ def fit(
         extra: dict[str, NDArray[Any]] = {
             "component": labels.component,
             "vault": labels.vault,
+            "arch": labels.arch,
             "deviation": labels.deviation,
         }
         written = write_all(

@@ -16,8 +16,6 @@ from vaultcad.model import Pose
 from vaultcad.survey.footprints import Ground
 from vaultcad.survey.thinned_scan import Site
 
-NARROWEST = 0.5  # m; no family spans less
-
 
 def starts(family: type[Vault], site: Site, demands: Demands = NONE) -> Iterator[Placed]:
     """Vaults of a family whose plan is the site's and whose crown is at its crown, along either axis if it has one.
@@ -26,8 +24,6 @@ def starts(family: type[Vault], site: Site, demands: Demands = NONE) -> Iterator
     """
     lowest = -np.inf if SPRINGING.name in demands.freed else site.bottom - 0.5
     for ground in site.grounds.get(family.stands_over, ()):
-        if min(ground.footprint.span_x, ground.footprint.span_y) < NARROWEST:
-            continue
         for over, yaw in _ways(family, ground, demands):
             for vault in _suited(_possible(family.first_guesses(over)), demands):
                 z = demands.pose.get("z", site.crown - vault.top)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from families import Vault
 from vaultcad.errors import NoVaultError
-from vaultcad.find.choices import Choice, likeliest, weigh
+from vaultcad.find.arches import FoundArch, find_arch
+from vaultcad.find.found import Found, likeliest_of, tolerance_of
 from vaultcad.find.no_vault import check
-from vaultcad.find.recognise import Hypothesis, recognise
-from vaultcad.find.refine import Refined, refine
+from vaultcad.find.recognise import recognise
+from vaultcad.find.refine import refine
 from vaultcad.fit.freedom import NONE, Demands
 from vaultcad.fit.label import label
-from vaultcad.fit.solve import Placed
+from vaultcad.processes import spread
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
 from vaultcad.survey.parting import part
@@ -26,8 +27,6 @@ from vaultcad.survey.thinned_scan import Site, Thin, find_site
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-TOLERANCE = (0.03, 0.12)  # m, limits of the band that a vault's points lie in
-BAND = 4.0  # that band in scatters of the fit
 NARROW = 0.9  # m, span of a part of a scan that is rather an arch, or nothing
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
@@ -36,22 +35,11 @@ FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen o
 
 
 @dataclass(frozen=True)
-class Found:
-    """One vault of a scan. hypotheses: the most likely first. tolerance: of the band its points lie in [m].
+class Findings:
+    """What was found in a scan: its vaults, the largest ceilings first, and the arches between them."""
 
-    choices: of arches and constraints; with the first it is refined.
-    """
-
-    site: Site
-    hypotheses: tuple[Hypothesis, ...]
-    refined: Refined
-    tolerance: float
-    choices: tuple[Choice, ...] = ()
-
-    @property
-    def placed(self) -> Placed:
-        """The vault where it stands."""
-        return self.refined.placed
+    vaults: tuple[Found, ...]
+    arches: tuple[FoundArch, ...] = ()
 
 
 def find_vaults(
@@ -60,7 +48,8 @@ def find_vaults(
     families: Sequence[type[Vault]],
     rng: np.random.Generator,
     demands: Demands = NONE,
-) -> tuple[Found, ...]:
+    progress: Callable[[str], None] = lambda stage: None,
+) -> Findings:
     """All vaults of a scan, from its thinned points and all of them (n, 3) [m], with what is demanded of each.
 
     Raises:
@@ -68,18 +57,38 @@ def find_vaults(
     """
     parting = part(thin, xyz)
     if not parting.parted:
-        return _under_one_ceiling(thin, xyz, families, rng, demands)
-    found: list[Found] = []
-    refusals = []
-    for ceiling, own in zip(parting.ceilings, rng.spawn(len(parting.ceilings)), strict=True):
+        return Findings(_under_one_ceiling(thin, xyz, families, rng, demands))
+    ceilings, soffits = parting.ceilings, parting.soffits
+    rngs = rng.spawn(len(ceilings) + len(soffits))
+
+    def work(k: int) -> tuple[Found, ...] | FoundArch | NoVaultError:
         try:
-            mine = ceiling.part.thinned(thin), xyz[ceiling.part.holds(xyz)]
-            found += _under_one_ceiling(*mine, families, own, demands)
+            if k >= len(ceilings):
+                return find_arch(soffits[k - len(ceilings)], thin, rngs[k])
+            mine = ceilings[k].part
+            return _under_one_ceiling(mine.thinned(thin), xyz[mine.holds(xyz)], families, rngs[k], demands)
         except NoVaultError as error:
-            refusals.append(error)
-    if not found:
+            return error
+
+    vaults: list[Found] = []
+    arches: list[FoundArch] = []
+    refusals: list[NoVaultError] = []
+    for k, found in enumerate(spread(work, len(rngs)), 1):
+        match found:
+            case NoVaultError():
+                refusals.append(found)
+                told = "none"
+            case FoundArch():
+                arches.append(found)
+                told = "arch"
+            case _:
+                vaults += found
+                told = ", ".join(one.placed.vault.id for one in found)
+        what = f"bay {k} of {len(ceilings)}" if k <= len(ceilings) else f"arch {k - len(ceilings)} of {len(soffits)}"
+        progress(f"{what}: {told}")
+    if not vaults:
         raise refusals[0]
-    return tuple(found)
+    return Findings(tuple(vaults), tuple(arches))
 
 
 def _under_one_ceiling(
@@ -98,19 +107,7 @@ def _under_one_ceiling(
     found = search.region(search.ceiling.room)
     if not found:
         raise search.refusals[0]
-    return tuple(_likeliest(one, demands, rng) for one in found)
-
-
-def _likeliest(found: Found, demands: Demands, rng: np.random.Generator) -> Found:
-    """The same vault with the arches and under the constraints with which it was most likely built."""
-    choices = weigh(found.refined, demands, rng)
-    refined = likeliest(found.refined, choices, demands)
-    return replace(found, refined=refined, tolerance=_tolerance(refined), choices=choices)
-
-
-def _tolerance(refined: Refined) -> float:
-    """Half of the band that the points of a vault lie in [m]."""
-    return float(np.clip(BAND * refined.scatter, *TOLERANCE))
+    return tuple(likeliest_of(one, demands, rng) for one in found)
 
 
 @dataclass(frozen=True)
@@ -196,7 +193,7 @@ class _Search:
         site = _under_its_ceiling(find_site(thin, xyz), thin)
         hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
         refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
-        found = Found(site, hypotheses, refined, _tolerance(refined))
+        found = Found(site, hypotheses, refined, tolerance_of(refined))
         check(refined, site, found.tolerance)
         return found
 

@@ -11,7 +11,7 @@ from families import FAMILIES, Vault
 from segmentation.cloud import AXES, Cloud, Up, stood_up, turn
 from vaultcad.errors import NoVaultError
 from vaultcad.find.no_vault import on_vault
-from vaultcad.find.search import Found, find_vaults
+from vaultcad.find.search import find_vaults
 from vaultcad.one_thread import one_thread
 from vaultcad.survey.thinned_scan import Thin, thin_scan
 
@@ -36,7 +36,7 @@ def _explained(thin: Thin, cloud: Cloud, up: Up, families: Sequence[type[Vault]]
     """How many thinned points lie on the vaults that are found with that axis up."""
     turned = replace(thin, points=turn(thin.points, up), normals=turn(thin.normals, up))
     try:
-        found: tuple[Found, ...] = find_vaults(turned, turn(cloud.xyz, up), families, rng)
+        found = find_vaults(turned, turn(cloud.xyz, up), families, rng).vaults
     except NoVaultError:
         return 0
     on = [on_vault(one.placed, turned.points, turned.normals, one.tolerance) for one in found]

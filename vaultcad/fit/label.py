@@ -13,6 +13,7 @@ from segmentation.threads import threads
 from vaultcad.fit.solve import Placed
 
 CHUNK = 1 << 17  # points that a thread takes at once
+FACE = 0.025  # m; points so near to the face of an arch are its own
 
 
 @dataclass(frozen=True)
@@ -20,26 +21,44 @@ class Labels:
     """For each point of the scan, in its order.
 
     component: (n,) id of the component, 0 off the vault. vault: (n,) 1-based number of the vault, 0 for none.
-    deviation: (n,) signed distance [m] to the model, positive in the stone, NaN off the vault.
+    deviation: (n,) signed distance [m] to the model, positive in the stone, NaN off vaults and arches.
+    arch: (n,) 1-based number of the arch, 0 for none; none of its points is a vault's.
     """
 
     component: NDArray[np.uint16]
     vault: NDArray[np.uint16]
     deviation: NDArray[np.float32]
+    arch: NDArray[np.uint16]
 
 
-def label(xyz: NDArray[np.floating], vaults: Sequence[tuple[Placed, float]]) -> Labels:
+@dataclass(frozen=True)
+class ArchBand:
+    """Where the points of an arch lie: about its soffit, a barrel, by `tolerance` [m], and on its faces.
+
+    depth: (2,) of its faces on either side of its span, the barrel's south and north [m]; NaN where it has none.
+    """
+
+    placed: Placed
+    tolerance: float
+    depth: NDArray[np.float64]
+
+
+def label(xyz: NDArray[np.floating], vaults: Sequence[tuple[Placed, float]], arches: Sequence[ArchBand] = ()) -> Labels:
     """Label points (n, 3) [m] within a tolerance [m] of a vault; points nearer to its walls are not the vault's.
 
-    A point near two vaults is the nearer one's. vaults: where they stand, each with its tolerance.
+    A point near two vaults is the nearer one's, and so is one near a vault and an arch. vaults: where they stand, each
+    with its tolerance.
     """
     n = len(xyz)
-    labels = Labels(np.zeros(n, np.uint16), np.zeros(n, np.uint16), np.full(n, np.nan, np.float32))
+    component, vault, arch = (np.zeros(n, np.uint16) for _ in range(3))
+    labels = Labels(component, vault, np.full(n, np.nan, np.float32), arch)
 
     def work(start: int) -> None:
         part = slice(start, start + CHUNK)
         for number, (placed, tolerance) in enumerate(vaults, 1):
             _label(xyz[part], placed, tolerance, number, labels, start)
+        for number, band in enumerate(arches, 1):
+            _label_arch(xyz[part], band, number, labels, start)
 
     with threads() as pool:
         list(pool.map(work, range(0, n, CHUNK)))
@@ -62,3 +81,23 @@ def _label(
     labels.component[at] = surface.component[near]
     labels.vault[at] = number
     labels.deviation[at] = surface.distance[near]
+
+
+def _label_arch(xyz: NDArray[np.floating], band: ArchBand, number: int, labels: Labels, start: int) -> None:
+    """Enter the points of one arch, of those from `start` on, that are not nearer to a vault or another arch."""
+    vault, frame = band.placed.vault, band.placed.pose.frame()
+    x, y = vault.plan.half
+    grown = np.array([x + np.nanmax([band.tolerance, *band.depth]), y + FACE])
+    mine = kernel.over_plan(np.ascontiguousarray(xyz), frame, grown, -band.tolerance)
+    local = xyz[mine] @ frame[:, :3].T + frame[:, 3]
+    across = local[:, 1].copy()
+    local[:, 1] = 0.0
+    surface, above = vault.evaluate(local, walls=True), vault.distance(local)
+    face = (np.abs(np.abs(across) - y) < FACE) & (above > 0) & (above < band.depth[(across > 0).astype(int)])
+    off = np.where(face, np.abs(across) - y, surface.distance)
+    at = start + mine
+    near = face | ((np.abs(surface.distance) <= band.tolerance) & (surface.component > 0))
+    near &= ~(np.abs(labels.deviation[at]) <= np.abs(off))
+    at = at[near]
+    labels.component[at], labels.vault[at], labels.arch[at] = 0, 0, number
+    labels.deviation[at] = off[near]

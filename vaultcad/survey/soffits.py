@@ -28,7 +28,7 @@ HIGHER, ALONG = 0.04, 0.3  # m that a ceiling is above the soffit beside it; sha
 SOFFIT = 0.03  # m; points so near a soffit's curve are its own
 EDGE = 0.01, 0.15  # share of its points beyond its edge; m that the edge is beyond its patch at most
 STRIP, FEWEST = 0.25, 3  # m along a soffit in which its edges are measured, and in how many
-SEEN = 0.25, 0.75  # quantiles of those edges
+SEEN = 0.1, 0.9  # quantiles of those edges
 NEAR = 0.2  # m, cells of the plan in which its points are looked up
 
 

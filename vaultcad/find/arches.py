@@ -1,0 +1,117 @@
+"""The arches between the vaults of a scan: each soffit is fitted as a barrel as long as the arch is wide."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families.kinds.barrel import Barrel
+from vaultcad.find.found import Found, likeliest_of, tolerance_of
+from vaultcad.find.recognise import recognise
+from vaultcad.find.refine import refine
+from vaultcad.fit.freedom import Demands
+from vaultcad.survey.soffits import Soffit
+from vaultcad.survey.thinned_scan import STEEP, UPRIGHT, Site, Thin, turned
+
+Array = NDArray[np.float64]
+
+BELOW = 1.0  # m of the piers under a soffit's ends that tell its span
+BESIDE = 0.3  # m beyond those ends where the piers' faces may be
+WITHIN = 0.02  # m within its edges from which on a point is the soffit's
+ENDS = 0.1  # m between the points that tie its edges
+NEXT = 0.03, 0.25  # m beyond its edges where the vault beside it is looked for
+DEPTH = 0.02, 0.8  # m by which a vault beside an arch is above it; more is a wall on it
+HAUNCH = 0.7  # of its half span on which it is measured
+
+
+@dataclass(frozen=True)
+class FoundArch:
+    """An arch. barrel: its soffit. depth: (2,) by which it stands out on its south and its north [m], or NaN."""
+
+    soffit: Soffit
+    barrel: Found
+    depth: Array
+
+    def beside(self, vaults: Sequence[Found]) -> tuple[int, int]:
+        """The numbers, from 1, of the vaults to its south and north; 0 for none."""
+        return self._beside(-1, vaults), self._beside(1, vaults)
+
+    def _beside(self, side: int, vaults: Sequence[Found]) -> int:
+        """The lowest of the vaults on a side whose crown is above its springing."""
+        yaw, pose = self.soffit.yaw, self.barrel.placed.pose
+        reach = self.soffit.width / 2 + BESIDE
+        place = np.array([[pose.x - side * reach * np.sin(yaw), pose.y + side * reach * np.cos(yaw), pose.z]])
+        crowns = {}
+        for number, one in enumerate(vaults, 1):
+            frame = one.placed.pose.frame()
+            local = place @ frame[:, :3].T + frame[:, 3]
+            if one.placed.vault.plan.holds(local[:, :2])[0] and local[0, 2] < one.placed.vault.top:
+                crowns[number] = one.placed.pose.z + one.placed.vault.top
+        return min(crowns, key=lambda number: crowns[number], default=0)
+
+
+def find_arch(soffit: Soffit, thin: Thin, rng: np.random.Generator) -> FoundArch:
+    """The arch over a soffit.
+
+    Raises:
+        NoVaultError: an arch of no kind comes near.
+    """
+    site = _site(soffit, thin)
+    demands = Demands(sizes={"length": soffit.width, "slope": 0.0, "splay": 0.0}, pose={"yaw": soffit.yaw})
+    hypotheses = recognise(site, rng, families=(Barrel,), demands=demands)
+    refined = refine(hypotheses[0], site, rng, demands=demands)
+    barrel = likeliest_of(Found(site, hypotheses, refined, tolerance_of(refined)), demands, rng)
+    return FoundArch(soffit, barrel, _depth(soffit, barrel, thin))
+
+
+def _site(soffit: Soffit, thin: Thin) -> Site:
+    """The stone of an arch, and of its piers a little."""
+    low, crown = float(soffit.curve[:, 1].min()), float(soffit.curve[:, 1].max())
+    mine = soffit.holds(thin.points, -WITHIN, BESIDE)
+    mine &= (thin.points[:, 2] > low - BELOW) & (thin.points[:, 2] < crown + WITHIN)
+    points, normals = thin.points[mine], thin.normals[mine]
+    steep = np.abs(normals[:, 2]) < STEEP
+    along = np.arange(-soffit.length / 2, soffit.length / 2, ENDS) + ENDS / 2
+    local = np.array([(u, side * soffit.width / 2) for side in (-1, 1) for u in along])
+    ends = np.column_stack([turned(local, -soffit.yaw) + soffit.place, np.full(len(local), low - BELOW - 1.0)])
+    half = np.array([soffit.length, soffit.width]) / 2
+    middle = turned(soffit.place[None], soffit.yaw)[0]
+    walled = np.array([[(np.abs(normals[:, 2]) < UPRIGHT).any()] * 2, [False, False]])
+    return Site(
+        points=points,
+        normals=normals,
+        weights=np.where(steep, 0.4, 1.0),
+        yaw=soffit.yaw,
+        low=middle - half,
+        high=middle + half,
+        walled=walled,
+        bottom=float(points[:, 2].min(initial=low)),
+        crown=crown,
+        spacing=thin.spacing,
+        ends=ends,
+        counts=thin.counts[mine],
+    )
+
+
+def _depth(soffit: Soffit, barrel: Found, thin: Thin) -> Array:
+    """(2,) how far the vaults on either side stand above an arch [m]; NaN where none does."""
+    along, across = soffit.local(thin.points)
+    near = (np.abs(along) < HAUNCH * soffit.length / 2) & (np.abs(thin.normals[:, 2]) > STEEP)
+    out = []
+    for side in (-1, 1):
+        beyond = side * across - soffit.width / 2
+        mine = near & (beyond > NEXT[0]) & (beyond < NEXT[1])
+        over = _over(soffit, barrel, thin.points[mine])
+        over = over[(over > DEPTH[0]) & (over < DEPTH[1])]
+        out.append(float(np.median(over)) if len(over) else np.nan)
+    return np.array(out)
+
+
+def _over(soffit: Soffit, barrel: Found, points: Array) -> Array:
+    """How far points (n, 3), brought to the arch's middle, are above it (n,) [m]."""
+    along, _ = soffit.local(points)
+    level = soffit.place + along[:, None] * np.array([np.cos(soffit.yaw), np.sin(soffit.yaw)])
+    return barrel.placed.distance(np.column_stack([level, points[:, 2]]))

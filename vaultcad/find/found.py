@@ -1,0 +1,48 @@
+"""What was found in a scan: a vault with the families that were tried for it, and the fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vaultcad.find.choices import Choice, likeliest, weigh
+from vaultcad.find.recognise import Hypothesis
+from vaultcad.find.refine import Refined
+from vaultcad.fit.freedom import Demands
+from vaultcad.fit.solve import Placed
+from vaultcad.survey.thinned_scan import Site
+
+TOLERANCE = (0.03, 0.12)  # m, limits of the band that a vault's points lie in
+BAND = 4.0  # that band in scatters of the fit
+
+
+@dataclass(frozen=True)
+class Found:
+    """One vault of a scan. hypotheses: the most likely first. tolerance: of the band its points lie in [m].
+
+    choices: of arches and constraints; with the first it is refined.
+    """
+
+    site: Site
+    hypotheses: tuple[Hypothesis, ...]
+    refined: Refined
+    tolerance: float
+    choices: tuple[Choice, ...] = ()
+
+    @property
+    def placed(self) -> Placed:
+        """The vault where it stands."""
+        return self.refined.placed
+
+
+def likeliest_of(found: Found, demands: Demands, rng: np.random.Generator) -> Found:
+    """The same vault with the arches and under the constraints with which it was most likely built."""
+    choices = weigh(found.refined, demands, rng)
+    refined = likeliest(found.refined, choices, demands)
+    return replace(found, refined=refined, tolerance=tolerance_of(refined), choices=choices)
+
+
+def tolerance_of(refined: Refined) -> float:
+    """Half of the band that the points of a vault lie in [m]."""
+    return float(np.clip(BAND * refined.scatter, *TOLERANCE))
