@@ -104,7 +104,7 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
     with _stage("finding", seconds, progress):
         found = find_vaults(thin, xyz, families, rng, demands, progress)
     bands = [(one.placed, one.tolerance) for one in found.vaults]
-    arched = [ArchBand(one.barrel.placed, one.barrel.tolerance, one.depth) for one in found.arches]
+    arched = [ArchBand(one.barrel.placed, one.barrel.tolerance, one.faces(found.arches)) for one in found.arches]
     with _stage("labelling", seconds, progress):
         labels, thinned = label(xyz, bands, arched), label(thin.points, bands, arched)
     with _stage("measuring", seconds, progress):

@@ -23,8 +23,9 @@ BESIDE = 0.3  # m beyond those ends where the piers' faces may be
 WITHIN = 0.02  # m within its edges from which on a point is the soffit's
 ENDS = 0.1  # m between the points that tie its edges
 NEXT = 0.03, 0.25  # m beyond its edges where the vault beside it is looked for
-DEPTH = 0.02, 0.8  # m by which a vault beside an arch is above it; more is a wall on it
-HAUNCH = 0.7  # of its half span on which it is measured
+DEPTH = 0.05, 0.8  # m by which a vault beside an arch is above it; more is a wall on it
+HAUNCH, SEEN = 0.7, 0.5  # of its half span on which it is measured, and the share of that where it must be
+IN_LINE, APART = 0.3, 2.0  # m that arches of an arcade are out of line, and between their ends, at most
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,19 @@ class FoundArch:
     soffit: Soffit
     barrel: Found
     depth: Array
+
+    def faces(self, others: Sequence[FoundArch]) -> Array:
+        """(2,) how deep its own faces are [m], as deep as the lesser; NaN for an arcade's, whose are the wall's."""
+        known = self.depth[np.isfinite(self.depth)]
+        if len(known) < 2 and any(self._is_in_line(other.soffit) for other in others if other is not self):
+            return np.full(2, np.nan)
+        return np.full(2, known.min(initial=np.inf) if len(known) else np.nan)
+
+    def _is_in_line(self, other: Soffit) -> bool:
+        """Whether another arch goes on where this one ends."""
+        along, across = self.soffit.local(other.place[None])
+        gap = abs(along[0]) - (self.soffit.length + other.length) / 2
+        return bool(abs(across[0]) < IN_LINE and -IN_LINE < gap < APART)
 
     def beside(self, vaults: Sequence[Found]) -> tuple[int, int]:
         """The numbers, from 1, of the vaults to its south and north; 0 for none."""
@@ -53,8 +67,8 @@ class FoundArch:
         return min(crowns, key=lambda number: crowns[number], default=0)
 
 
-def find_arch(soffit: Soffit, thin: Thin, rng: np.random.Generator) -> FoundArch:
-    """The arch over a soffit.
+def find_arch(soffit: Soffit, thin: Thin, hung: Array, rng: np.random.Generator) -> FoundArch:
+    """The arch over a soffit; `hung` (n, 3) [m] are the ceilings.
 
     Raises:
         NoVaultError: an arch of no kind comes near.
@@ -64,7 +78,7 @@ def find_arch(soffit: Soffit, thin: Thin, rng: np.random.Generator) -> FoundArch
     hypotheses = recognise(site, rng, families=(Barrel,), demands=demands)
     refined = refine(hypotheses[0], site, rng, demands=demands)
     barrel = likeliest_of(Found(site, hypotheses, refined, tolerance_of(refined)), demands, rng)
-    return FoundArch(soffit, barrel, _depth(soffit, barrel, thin))
+    return FoundArch(soffit, barrel, _depth(soffit, barrel, hung))
 
 
 def _site(soffit: Soffit, thin: Thin) -> Site:
@@ -96,17 +110,19 @@ def _site(soffit: Soffit, thin: Thin) -> Site:
     )
 
 
-def _depth(soffit: Soffit, barrel: Found, thin: Thin) -> Array:
-    """(2,) how far the vaults on either side stand above an arch [m]; NaN where none does."""
-    along, across = soffit.local(thin.points)
-    near = (np.abs(along) < HAUNCH * soffit.length / 2) & (np.abs(thin.normals[:, 2]) > STEEP)
+def _depth(soffit: Soffit, barrel: Found, hung: Array) -> Array:
+    """(2,) how far the vaults on either side stand above an arch [m]; NaN where none does along much of it."""
+    along, across = soffit.local(hung)
+    near = np.abs(along) < HAUNCH * soffit.length / 2
     out = []
     for side in (-1, 1):
         beyond = side * across - soffit.width / 2
-        mine = near & (beyond > NEXT[0]) & (beyond < NEXT[1])
-        over = _over(soffit, barrel, thin.points[mine])
-        over = over[(over > DEPTH[0]) & (over < DEPTH[1])]
-        out.append(float(np.median(over)) if len(over) else np.nan)
+        mine = np.flatnonzero(near & (beyond > NEXT[0]) & (beyond < NEXT[1]))
+        over = _over(soffit, barrel, hung[mine])
+        close = (over > DEPTH[0]) & (over < DEPTH[1])
+        bins = np.floor(along[mine[close]] / ENDS)
+        seen = len(np.unique(bins)) * ENDS > SEEN * HAUNCH * soffit.length
+        out.append(float(np.median(over[close])) if seen else np.nan)
     return np.array(out)
 
 

@@ -59,12 +59,13 @@ def find_vaults(
     if not parting.parted:
         return Findings(_under_one_ceiling(thin, xyz, families, rng, demands))
     ceilings, soffits = parting.ceilings, parting.soffits
+    hung = np.concatenate([ceiling.points for ceiling in ceilings]) if ceilings else np.empty((0, 3))
     rngs = rng.spawn(len(ceilings) + len(soffits))
 
     def work(k: int) -> tuple[Found, ...] | FoundArch | NoVaultError:
         try:
             if k >= len(ceilings):
-                return find_arch(soffits[k - len(ceilings)], thin, rngs[k])
+                return find_arch(soffits[k - len(ceilings)], thin, hung, rngs[k])
             mine = ceilings[k].part
             return _under_one_ceiling(mine.thinned(thin), xyz[mine.holds(xyz)], families, rngs[k], demands)
         except NoVaultError as error:
