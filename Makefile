@@ -7,7 +7,7 @@ PYTHON ?= $(shell for p in python3 python3.11 python3.12 python3.13; do \
 	"$$p" -c '$(SUPPORTED)' 2>/dev/null && echo "$$p" && break; done)
 BIN := .venv/bin
 # Set to nothing to run the tests in one process, where they can be debugged.
-WORKERS ?= -n 2 --dist loadfile
+WORKERS ?= -n 2 --dist worksteal
 
 # Byte code is what makes the second start quick.
 unexport PYTHONDONTWRITEBYTECODE

@@ -17,8 +17,10 @@ from families.void.columns import heights
 
 Array = NDArray[np.float64]
 Within = Callable[[Array], NDArray[np.bool_]]
-FINE, FINER = 5e-4, 1e-4  # [m] between triangles and the surface; where the plan is round, on whose rim they are short
-NARROW = 1e-3  # of half the width of a plan, no farther
+FINE = 5e-4  # [m] between triangles and the surface, and between their edges and a round rim
+NARROW = 2e-3  # of half the width of a plan with a round rim, no farther
+AROUND = 4.0  # times that distance, above and below a triangle, within which the surface is looked for first
+RIM = 1e-6  # [m] that the ends of edges may be off a round rim
 GAUSS = (np.ones((3, 3)) + 3 * np.eye(3)) / 6  # barycentric coordinates of points that integrate degree 2 exactly
 BOX = np.random.default_rng(0).uniform((-1, -1, 0), 1, (400_000, 3))
 
@@ -63,17 +65,73 @@ def integral_of(vault: Vault) -> tuple[float, float]:
     """Volume [m³] under the numeric surface, and the area [m²] over which it was summed: no more than the plan's.
 
     By Gauss over triangles of the B-Rep seen from above, so that none of them lies on both sides of a groin or of a
-    step; only their places are the B-Rep's, the heights are not.
+    step; only their places are the B-Rep's, and where heights are looked for first, the heights are not. Where the plan
+    is round, the segments between chords and rim are added.
     """
     plan, fine = vault.plan, FINE
-    if any(side.centre is not None for side in plan.sides):
+    rounds = {(side.centre, round(side.radius, 12), side.inside) for side in plan.sides if side.centre is not None}
+    if rounds:
         rim = sum(float(np.linalg.norm(row - np.roll(row, 1, axis=0), axis=1).sum()) for row in plan.outlines())
-        fine = min(FINER, NARROW * plan.area / rim)
+        fine = min(fine, NARROW * plan.area / rim)
     shown = mesh(vault, fine)
-    corners = shown.vertices[shown.triangles][:, ::-1, :2]  # they face the room
-    (ax, ay), (bx, by) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
+    triangles = shown.triangles[:, ::-1]  # they face the room
+    for (x, y), radius, _ in rounds:  # walls, upright but for how their chords lie
+        off = np.abs(np.hypot(*(shown.vertices[:, :2] - (x, y)).T) - radius)
+        triangles = triangles[off[triangles].max(axis=1) > RIM]
+    corners = shown.vertices[triangles]
+    (ax, ay, _), (bx, by, _) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
     areas = (ax * by - ay * bx) / 2
     level = areas > 0
-    places = np.einsum("pc,tcx->tpx", GAUSS, corners[level])
-    z = heights(vault, places.reshape(-1, 2)).reshape(-1, 3)
-    return float(areas[level] @ z.mean(axis=1)), float(areas.sum())
+    places = np.einsum("pc,tcx->tpx", GAUSS, corners[level]).reshape(-1, 3)
+    for (x, y), radius, within in rounds:  # chords about a hole lie in it
+        if not within:
+            places[:, :2] = np.add(_outside(places[:, :2] - (x, y), radius), (x, y))
+    z = _heights(vault, places, AROUND * fine).reshape(-1, 3).mean(axis=1)
+    size, over = float(areas[level] @ z), float(areas.sum())
+    edges = shown.vertices[_rim(triangles[level]), :2]
+    for (x, y), radius, within in rounds:
+        middles, segments = _segments(edges - (x, y), radius)
+        sign = 1 if within else -1
+        middles = np.add(middles if within else _outside(middles, radius), (x, y))
+        size += sign * float(segments @ heights(vault, middles))
+        over += sign * float(segments.sum())
+    return size, over
+
+
+def _heights(vault: Vault, guesses: Array, reach: float) -> Array:
+    """Heights (n,) [m] at which columns through points (n, 3) leave the room: by a secant within `reach` [m] of them.
+
+    By halving where the column does not leave the room there: where it is steep, or the guess is wrong.
+    """
+    low, high = guesses.copy(), guesses.copy()
+    low[:, 2], high[:, 2] = np.maximum(guesses[:, 2] - reach, 0.0), guesses[:, 2] + reach
+    before, after = vault.distance(low), vault.distance(high)
+    leaves = (before < 0) & (after >= 0)
+    share = np.divide(before, before - after, out=np.zeros_like(before), where=leaves)
+    z: Array = low[:, 2] + share * (high[:, 2] - low[:, 2])
+    z[~leaves] = heights(vault, guesses[~leaves, :2])
+    return z
+
+
+def _rim(triangles: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Edges (n, 2) of triangles (m, 3) that no other triangle has."""
+    edges = np.concatenate([triangles[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))]).astype(np.int64)
+    size = int(edges.max()) + 1
+    return edges[~np.isin(edges @ [size, 1], edges @ [1, size])]
+
+
+def _outside(places: Array, radius: float) -> Array:
+    """Places (n, 2), those within a circle about the origin moved to where it has just been left."""
+    moved: Array = places * np.maximum(1.0, (radius + RIM) / np.hypot(*places.T))[:, None]
+    return moved
+
+
+def _segments(edges: Array, radius: float) -> tuple[Array, Array]:
+    """Between chords of a circle about the origin, among edges (m, 2, 2), and its arcs: middles (n, 2), areas (n,)."""
+    middle = edges.mean(axis=1)
+    size = np.hypot(*middle.T)
+    chords = (np.abs(np.hypot(edges[..., 0], edges[..., 1]) - radius).max(axis=1) < RIM) & (radius - size < 2 * FINE)
+    middle, size = middle[chords], size[chords]
+    half = np.arccos(np.minimum(size / radius, 1.0))
+    centroid = size + 0.4 * (radius - size)
+    return (centroid / size)[:, None] * middle, radius**2 * (half - np.sin(half) * np.cos(half))

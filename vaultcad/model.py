@@ -38,13 +38,15 @@ class Pose:
     def _turn(self) -> NDArray[np.float64]:
         """(3, 3): brings directions of the vault's frame into the scan's."""
         c, s = cos(self.yaw), sin(self.yaw)
-        turn: NDArray[np.float64] = tilted(self.lean) @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        return turn
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        return tilted(self.lean) @ turn if any(self.lean) else turn
 
     def frame(self) -> NDArray[np.float64]:
         """(3, 4): brings points of the scan's local frame into the vault's."""
-        turn = self._turn().T
-        return np.column_stack([turn, -turn @ [self.x, self.y, self.z]])
+        out = np.empty((3, 4))
+        turn = out[:, :3] = self._turn().T
+        out[:, 3] = -turn @ [self.x, self.y, self.z]
+        return out
 
     def placement(self) -> NDArray[np.float64]:
         """(4, 4): brings points of the vault's frame into the scan's local frame."""

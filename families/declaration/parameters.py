@@ -31,11 +31,15 @@ class Parameter:
 
 
 class Derived:
-    """A read-only property that is reported: a length or angle that follows from the parameters."""
+    """A read-only property that is reported: a length or angle that follows from the parameters, worked out once."""
 
     def __init__(self, method: Callable[[Any], float], unit: str, meaning: str) -> None:
         self.method, self.unit, self.meaning = method, unit, meaning
         self.__doc__ = method.__doc__
+
+    def __set_name__(self, cls: type, name: str) -> None:
+        """Learn under which name an instance keeps the value: found there first, as this is no data descriptor."""
+        self.name = name
 
     @overload
     def __get__(self, owner: None, cls: type) -> Derived: ...
@@ -43,7 +47,10 @@ class Derived:
     def __get__(self, owner: object, cls: type) -> float: ...
     def __get__(self, owner: object, cls: type) -> Derived | float:
         """The value at an instance, the declaration at its class."""
-        return self if owner is None else self.method(owner)
+        if owner is None:
+            return self
+        value = vars(owner)[self.name] = self.method(owner)
+        return value
 
 
 def derived(unit: str, meaning: str) -> Callable[[Callable[[Any], float]], Derived]:
@@ -69,11 +76,11 @@ class Parametric:
 
     def parameters(self) -> tuple[Parameter, ...]:
         """Flat list of all parameters; those of a nested `profile_x` are named like `rise_ratio_x`."""
-        return tuple(_flatten(self))
+        return tuple(_declared(self).values())
 
     def values(self) -> dict[str, float]:
         """Flat name -> value [m, rad or 1]."""
-        return {p.name: float(_get(self, p.path)) for p in self.parameters()}
+        return {name: float(_get(self, p.path)) for name, p in _declared(self).items()}
 
     def derived_values(self) -> dict[str, float]:
         """Name -> value of every `Derived` property."""
@@ -89,7 +96,7 @@ class Parametric:
         >>> Barrel(profile=Pointed()).replaced({"span": 4, "rise_ratio": 0.8}).rise
         3.2
         """
-        known = {p.name: p for p in self.parameters()}
+        known = _declared(self)
         tree: dict[str, Any] = {}
         for name, value in values.items():
             if name not in known:
@@ -131,6 +138,23 @@ def _read_declarations(cls: type) -> Iterator[tuple[str, Range, bool]]:
         if get_origin(hint) is Annotated:
             base, limits = get_args(hint)[:2]
             yield field.name, limits, base is int
+
+
+_FLAT: dict[tuple[Any, ...], dict[str, Parameter]] = {}
+
+
+def _declared(shape: Parametric) -> dict[str, Parameter]:
+    """Flat name -> parameter; the same for all of these classes."""
+    kinds = _kinds(shape)
+    if kinds not in _FLAT:
+        _FLAT[kinds] = {p.name: p for p in _flatten(shape)}
+    return _FLAT[kinds]
+
+
+def _kinds(shape: Parametric) -> tuple[Any, ...]:
+    """Its class, and the names of fields that hold further parameters with the classes of what they hold."""
+    held = ((name, inner) for name, inner in vars(shape).items() if isinstance(inner, Parametric))
+    return (type(shape), *((name, _kinds(inner)) for name, inner in held))
 
 
 def _flatten(shape: Parametric) -> Iterator[Parameter]:

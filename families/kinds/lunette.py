@@ -141,14 +141,14 @@ class Lunette(Vault):
         barrel = BarrelPart(
             axis.across, self.profile.curve(axis.half_span), ("barrel", "barrel"), axis.origin, splay=axis.splay
         )
-        curve = self.lunette_profile.curve(self.lunette_span / 2)
+        curve, springing = self.lunette_profile.curve(self.lunette_span / 2), self.lunette_springing
         lunettes = (
             BarrelPart(
                 barrel.along,
                 curve,
                 (f"lunette_east_{k}", f"lunette_west_{k}"),
                 (x - cy * place, y + cx * place),
-                self.lunette_springing,
+                springing,
             )
             for k, place in enumerate(self.positions, 1)
         )

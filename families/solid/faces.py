@@ -27,7 +27,8 @@ from families.solid.plane_regions import regions
 from families.solid.roofs import Plane, Roof
 from families.solid.seamless import seamless
 from families.solid.splines import spread
-from families.solid.surfaces import Drum, Flat, Sheet
+from families.solid.surfaces import Flat, Sheet
+from families.solid.turned_surfaces import Drum
 
 Array = NDArray[np.float64]
 BETWEEN = np.array([0.13, 0.31, 0.5, 0.69, 0.87])  # shares of an edge at which heights on both sides are compared

@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from families.declaration.pieces import BarrelPart
 from families.declaration.plan import Vector
 from families.declaration.units import MM
+from families.solid.barrel_surfaces import BarrelSide, Drawn, Moved
 from families.solid.boundary import Step
 from families.solid.curves import Bezier, Conic, Point, Straight, arc_poles, arc_weight, point
 from families.solid.heights import APEX, DRAWN, FLAT, TURNED, WIDTH
 from families.solid.plan_cells import Way
-from families.solid.surfaces import UP, BarrelSide, Drawn, Flat, Moved, Revolved, Round, Sheet
+from families.solid.surfaces import UP, Flat, Sheet
+from families.solid.turned_surfaces import Revolved, Round
 from families.void.profile_outline import Bow
 
 Array = NDArray[np.float64]

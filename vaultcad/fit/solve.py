@@ -34,8 +34,12 @@ class Placed:
 
     def packed(self) -> tuple[Array, Array, Array]:
         """Frame, table of bodies and outline, as `families.void.kernel` takes them."""
-        vault = self.vault
-        return self.pose.frame(), kernel.pack(vault.pieces(), vault.components), kernel.pack_plan(vault.plan)
+        return self.pose.frame(), *tables(self.vault)
+
+
+def tables(vault: Vault) -> tuple[Array, Array]:
+    """Table of bodies and outline of a vault, as `families.void.kernel` takes them."""
+    return kernel.pack(vault.pieces(), vault.components), kernel.pack_plan(vault.plan)
 
 
 @dataclass(frozen=True)
@@ -140,11 +144,11 @@ def _jacobian(start: Placed, free: Freedom, x: Array, high: Array, points: Array
         step = DIFFERENCE if x[k] + DIFFERENCE <= high[k] else -DIFFERENCE
         moved = x.copy()
         moved[k] += step
-        jacobian[:, k] = moves(_placed(start, free, moved)) / step
+        jacobian[:, k] = moves(_moved(start, free, moved)) / step
     return jacobian
 
 
-def _slopes(placed: Placed, points: Array) -> tuple[Array, Callable[[Placed], Array]]:
+def _slopes(placed: Placed, points: Array) -> tuple[Array, Callable[[Vault], Array]]:
     """Normals (n, 3) at points (n, 3), and by how much their distances (n,) [m] change to a vault a little different.
 
     The body that decides a point's distance still does after a small step, so only that one is asked again.
@@ -153,8 +157,8 @@ def _slopes(placed: Placed, points: Array) -> tuple[Array, Callable[[Placed], Ar
     rows, normal = kernel.deciding(points, frame, table, plan)
     asked = kernel.to_rows(points, frame, table, plan, rows)
 
-    def moves(other: Placed) -> Array:
-        _, bodies, outline = other.packed()
+    def moves(other: Vault) -> Array:
+        bodies, outline = tables(other)
         # A trough that is just not yet a cloister, a sector that just takes another arc.
         if len(bodies) != len(table) or len(outline) != len(plan):
             return np.asarray(kernel.distances(points, frame, bodies, outline) - asked)
@@ -172,8 +176,11 @@ def _vector(placed: Placed, free: Freedom) -> Array:
 
 
 def _placed(start: Placed, free: Freedom, x: Array) -> Placed:
-    vault = free.settled(start.vault, dict(zip(free.names, x[len(POSE) :].tolist(), strict=True)))
-    return Placed(vault, Pose(*x[: len(POSE)].tolist()))
+    return Placed(_moved(start, free, x), Pose(*x[: len(POSE)].tolist()))
+
+
+def _moved(start: Placed, free: Freedom, x: Array) -> Vault:
+    return free.settled(start.vault, dict(zip(free.names, x[len(POSE) :].tolist(), strict=True)))
 
 
 def _bounds(vault: Vault, free: Freedom, lowest: float) -> tuple[Array, Array]:

@@ -131,7 +131,7 @@ def test_another_process_writes_the_same_bytes(make_model, tmp_path):
     """All but the times, and whatever the hash seed is."""
     write_all(make_model("groin"), tmp_path / "here", segments=segments)
     subprocess.run(
-        [sys.executable, "-c", AGAIN, str(Path(__file__).parent), str(tmp_path / "there")],
+        [sys.executable, "-c", AGAIN, str(Path(__file__).parents[1]), str(tmp_path / "there")],
         env={**os.environ, "PYTHONHASHSEED": "4711"},
         check=True,
     )

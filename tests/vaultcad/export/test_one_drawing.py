@@ -25,7 +25,7 @@ from vaultcad.notebook import of_result
 from vaultcad.pipeline import Result
 from vaultcad.workbench.declarations import deviation_scale
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 DEVIATIONS = (0.01, -0.01, 0.003)  # m
 
 

@@ -1,4 +1,4 @@
-"""Bodies over four corners anywhere; tests/families/test_corners.py has the numbers."""
+"""Bodies over four corners anywhere; tests/families/declaration/test_corners.py has the numbers."""
 
 from __future__ import annotations
 
