@@ -26,18 +26,24 @@ CONTACT = 15  # pairs of cells, one of either patch, that touch: a few where onl
 LEVEL = 0.8  # m between two patches in height where they touch, of one ceiling before drums are looked for
 OVER = 0.3  # share of the lesser patch's plan from which on it hangs over or under another
 LEAST = 1.5  # m², of a ceiling
+LEVEL_NORMAL = np.cos(np.radians(10.0))  # |nz| of what is level, at least
 PIER = 0.5  # m beyond a soffit's ends where ceilings are still parted
 AROUND = 0.6  # m about a ceiling that belongs to it: its haunches and walls
 ABOVE = 0.3  # m above a ceiling that belongs to it
 FACE = 0.04  # m beyond its soffit in which an arch's faces lie
+REVEAL = 0.35  # m beyond its soffit's ends where the faces of its piers are
 INNER = 0.01  # m within its edges from which on all is an arch's
 
 
 @dataclass(frozen=True)
 class Ceiling:
-    """One ceiling. points: (n, 3) of its patches [m]. area: [m²], along the stone. part: whose points are its own."""
+    """One ceiling. area: [m²], along the stone. part: whose points are its own.
+
+    points: (n, 3) of its patches [m]. level: (n,) where it is level there.
+    """
 
     points: Array
+    level: Mask
     area: float
     part: Part
 
@@ -62,7 +68,7 @@ class Part:
         height = points[mine, 2]
         own = (height > self.bottom.ravel()[self.grid.numbers(points[mine])]) & (height < self.top)
         for arch in self.arches:
-            own &= ~arch.holds(points[mine], margin)
+            own &= ~arch.holds(points[mine], margin, REVEAL)
         found[mine] = own
         return found
 
@@ -82,12 +88,12 @@ class Parting:
     soffits: tuple[Soffit, ...]
 
     @property
-    def parted(self) -> bool:
+    def is_parted(self) -> bool:
         """Whether there is more than one room under one ceiling."""
         return len(self.ceilings) > 1 or bool(self.soffits)
 
 
-def part(thin: Thin, xyz: NDArray[np.floating]) -> Parting:
+def parted(thin: Thin, xyz: NDArray[np.floating]) -> Parting:
     """Part a scan, from its thinned points and all of them (n, 3) [m]."""
     patches = ceilings_of(thin)
     soffits, arches = soffits_of(patches, xyz)
@@ -99,13 +105,12 @@ def part(thin: Thin, xyz: NDArray[np.floating]) -> Parting:
     areas = np.bincount(number, hung.areas)
     chosen = [k for k in np.argsort(-areas, kind="stable").tolist() if areas[k] >= LEAST]
     parts = plan.parts([number == k for k in chosen], soffits)
-    return Parting(
-        tuple(
-            Ceiling(hung.points[(number == k)[hung.patch]], float(areas[k]), mine)
-            for k, mine in zip(chosen, parts, strict=True)
-        ),
-        soffits,
-    )
+    found = []
+    for k, mine in zip(chosen, parts, strict=True):
+        own = (number == k)[hung.patch]
+        level = np.abs(hung.normals[own, 2]) > LEVEL_NORMAL
+        found.append(Ceiling(hung.points[own], level, float(areas[k]), mine))
+    return Parting(tuple(found), soffits)
 
 
 @dataclass(frozen=True)
