@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from math import pi
@@ -16,11 +16,13 @@ from numpy.typing import NDArray
 
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
+from segmentation.notes import Note
 from vaultcad.errors import NoVaultError
 from vaultcad.find.choices import odds, rivals, widened
 from vaultcad.find.recognise import confidence
 from vaultcad.find.search import Found, find_vaults
 from vaultcad.fit.demands import demand
+from vaultcad.fit.freedom import RECTANGLE
 from vaultcad.fit.label import Labels, label
 from vaultcad.fit.solve import Placed
 from vaultcad.fit.uncertainty import covariance, open_ends
@@ -129,9 +131,22 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
         seconds=seconds,
         unit=float(cloud.scale[0]),
         crs=cloud.crs,
-        notes=(*cloud.notes, *notes),
+        notes=(*cloud.notes, *notes, *(() if RECTANGLE.name in demands.freed else _askew(vaults))),
     )
     return Result(model, labels, scanned.points, thinned.component, thinned.vault, thinned.deviation.astype(np.float64))
+
+
+def _askew(vaults: Sequence[FittedVault]) -> Iterator[Note]:
+    """What is to be said of vaults whose plans the scan shows to be no rectangles."""
+    off = {
+        number: float(np.linalg.norm(fitted.vault.corners - replace(fitted.vault, skew=None).corners, axis=1).max())
+        for number, fitted in enumerate(vaults, 1)
+        if fitted.vault.skew is not None
+    }
+    if off:
+        which = f" of vault{'s' if len(off) > 1 else ''} {', '.join(map(str, off))}" if len(vaults) > 1 else ""
+        text = f"the plan{which} is no rectangle: corners are off by up to {100 * max(off.values()):.1f} cm"
+        yield Note("corners", text + ", and were fitted free")
 
 
 @contextmanager

@@ -14,8 +14,8 @@ Tie = Callable[[Vault], Mapping[str, float]]
 
 SPRINGING = Constraint("springing", "the springing is no lower than the lowest stone that the scan shows")
 """A constraint that all families share, as it is about the pose."""
-RECTANGLE = Constraint("rectangle", "the plan is a rectangle; else its four corners are free")
-"""One that all families share, as it is about their plan."""
+RECTANGLE = Constraint("rectangle", "the plan is a rectangle; else its four corners are free", rare=True)
+"""One that all families share whose plan has four corners. It holds no parameter: without it there are more of them."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,8 @@ class Demands:
 
     def keepable(self, vault: Vault) -> tuple[Constraint, ...]:
         """The constraints of a vault that nobody has let go."""
-        return tuple(c for c in vault.constraints if c.name not in self.freed)
+        plan = (RECTANGLE,) if vault.four_corners else ()
+        return tuple(c for c in (*plan, *vault.constraints) if c.name not in self.freed)
 
     def begun_with(self, vault: Vault) -> tuple[Constraint, ...]:
         """Those of them that a fit begins with: that seldom fail, and that the vault does not break."""
