@@ -55,6 +55,7 @@ class FitSettings:
     thickness: float = 0.15  # m, of the solid
     fix: Mapping[str, float | str] = field(default_factory=dict)  # sizes and place [m, rad, 1], kinds of arches
     free: tuple[str, ...] = ()  # names of constraints that are not kept
+    rectangular: bool = False  # plans are rectangles, whatever the scan says
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,7 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
     """
     settings = settings or FitSettings()
     families, demands = demand(settings.families, settings.fix, settings.free, cloud.origin.tolist())
+    demands = replace(demands, rectangular=settings.rectangular)
     seconds: dict[str, float] = {}
     rng = np.random.default_rng(settings.seed)
     with _stage("thinning", seconds, progress):
