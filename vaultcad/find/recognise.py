@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 
 from families import FAMILIES, PROFILES, Vault
 from families.declaration.constraints import Constraint
+from families.declaration.corners import Skew
 from families.declaration.profiles import as_kind
 from vaultcad.errors import NoVaultError
 from vaultcad.find.first_guesses import starts
 from vaultcad.find.identity import is_its_family
 from vaultcad.fit.evidence import INDEPENDENT, Evidence
-from vaultcad.fit.freedom import NONE, Demands, Freedom
+from vaultcad.fit.freedom import NONE, RECTANGLE, Demands, Freedom
 from vaultcad.fit.solve import Placed, Solution
 from vaultcad.survey.thinned_scan import Site
 
@@ -152,6 +153,8 @@ class _Judge:
         best = self.best_profiles(self.of(placed))
         before = best.kept
         for constraint in self.demands.keepable(best.vault):
+            if constraint is RECTANGLE:  # free corners are no family's own, and would cost each some time
+                continue
             trial = self.of(*turned_over(best.solution.placed, best.kept, constraint))
             price = PAYS if constraint.rare else 0.0
             if trial.score < best.score - price:
@@ -178,9 +181,10 @@ def turned_over(
     placed: Placed, kept: Sequence[Constraint], constraint: Constraint
 ) -> tuple[Placed, tuple[Constraint, ...]]:
     """Where to start from without a constraint that is kept, or with one that is not; and what is then kept."""
-    vault = placed.vault
+    vault, fewer = placed.vault, tuple(c for c in kept if c != constraint)
+    if constraint is RECTANGLE:
+        skew, others = (Skew(), fewer) if constraint in kept else (None, (*kept, constraint))
+        return replace(placed, vault=replace(vault, skew=skew)), others
     if constraint in kept:
-        return replace(placed, vault=vault.replaced(constraint.let_go(vault))), tuple(
-            c for c in kept if c != constraint
-        )
+        return replace(placed, vault=vault.replaced(constraint.let_go(vault))), fewer
     return replace(placed, vault=vault.replaced(constraint.holds(vault))), (*kept, constraint)
