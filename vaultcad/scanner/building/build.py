@@ -15,11 +15,10 @@ from vaultcad.scanner.building.joints import Joints, check_apart, joined
 from vaultcad.scanner.building.labels import FLOOR, PIER, SKY, WALL, Labels, arch_label
 from vaultcad.scanner.building.solids import Body, along_y
 from vaultcad.scanner.building.under import Edge, edges, room
-from vaultcad.scanner.triangles import Triangles, split
+from vaultcad.scanner.triangles import Triangles
 
 Array = NDArray[np.float64]
 
-LONGEST_EDGE = 0.25  # of a mesh that is bent by the settlement [m]
 PROUD = 0.002  # by which arches and jambs stand out of the walls, so that their faces are theirs [m]
 THROUGH = 0.003  # by which ways through walls reach into the rooms [m]
 RISER = 0.17  # of a step [m]
@@ -56,7 +55,7 @@ def build(building: Building) -> Built:
     stones = [body for k, arch in enumerate(arches, 1) for body in _masonry(arch, k, labels)]
     stones += [body for pier in piers for body in _standing(pier, labels)]
     stones += [body for bay in bays for body in _steps(bay, labels)]
-    return Built(split(solids.carved(rooms, stones, labels), LONGEST_EDGE), labels, arches, piers)
+    return Built(solids.carved(rooms, stones, labels), labels, arches, piers)
 
 
 def _way(arch: Arch, number: int, labels: Labels) -> Body:

@@ -189,7 +189,7 @@ def check_apart(bays: Sequence[Bay]) -> None:
         VaultcadError: two do; names them.
     """
     levels = [(bay.floor, bay.top) for bay in bays]
-    plans = [bay.place.out(np.vstack([bay.vault.plan.outline(8), _inside(bay)])) for bay in bays]
+    plans = [bay.place.out(_spread(bay)) for bay in bays]
     for (i, one), (j, other) in combinations(enumerate(bays), 2):
         if min(levels[i][1], levels[j][1]) <= max(levels[i][0], levels[j][0]):
             continue
@@ -203,8 +203,9 @@ def check_apart(bays: Sequence[Bay]) -> None:
             )
 
 
-def _inside(bay: Bay) -> Array:
-    """Places (n, 2) [m] within a plan."""
-    low, high = bay.vault.plan.box
+def _spread(bay: Bay) -> Array:
+    """Places (n, 2) [m] along the sides of a plan and within it."""
+    plan = bay.vault.plan
+    low, high = plan.box
     grid = np.stack(np.meshgrid(*np.linspace(low, high, 9)[1:-1].T), axis=-1).reshape(-1, 2)
-    return grid[bay.vault.plan.holds(grid)]
+    return np.concatenate([grid[plan.holds(grid)], *(side.points(24) for side in plan.sides)])

@@ -20,12 +20,13 @@ from vaultcad.scanner.building.stations import draw_stations
 from vaultcad.scanner.scan import angular_step, shot_from
 from vaultcad.scanner.settle import MODES, Settlement
 from vaultcad.scanner.shoot import aim
-from vaultcad.scanner.triangles import Triangles, join
+from vaultcad.scanner.triangles import Triangles, join, split
 from vaultcad.scanner.truth import truth_path
 from vaultcad.scanner.waves import draw_waves
 
 Array = NDArray[np.float64]
 
+LONGEST_EDGE = 0.25  # of a mesh that is bent by the settlement [m]
 FAR = np.array([[-np.inf] * 3, [np.inf] * 3])
 WAVES = (1.0, 4.0)  # of the settlement, shortest and longest, as shares of the widest plan
 OPTIONAL = ("drum", "pendentive", "squinch")  # components that begin so carry the vault and are not scored
@@ -66,7 +67,7 @@ def scan_building(building: Building, *, rng: np.random.Generator) -> BuildingSc
     place, stand, settle, surface, pilot, measure = rng.spawn(6)
     built = build(building)
     stations = draw_stations(building, built.mesh, place)
-    still = join([built.mesh, *furnish(building, built, stations, stand)])
+    still = join([split(built.mesh, LONGEST_EDGE), *furnish(building, built, stations, stand)])
     settlement = _settlement(building, built.mesh, settle)
     target = aim(replace(still, vertices=still.vertices + settlement(still.vertices)), surface)
     step = angular_step(target, stations, replace(settings, holes=0.0), FAR, pilot)
