@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vaultcad.scanner.building import solids
 from vaultcad.scanner.building.elements import Arch, Bay, Building, Door, Pier
-from vaultcad.scanner.building.joints import Joints, check_apart, joined
+from vaultcad.scanner.building.joints import ARCHED, Joints, check_apart, joined
 from vaultcad.scanner.building.labels import FLOOR, PIER, SKY, WALL, Labels, arch_label
 from vaultcad.scanner.building.solids import Body, along_y
 from vaultcad.scanner.building.under import Edge, edges, room
@@ -124,7 +124,7 @@ def _window(bays: Sequence[Bay], edge: Edge, joints: Joints, labels: Labels) -> 
     bay = bays[edge.bay]
     if not bay.windows or edge.name in joints.taken.get(edge.bay, set()) or edge.half < 0.8:
         return
-    behind = bay.wall_arches if edge.rise > 0.3 else 0.0
+    behind = bay.wall_arches if edge.rise > ARCHED and edge.name not in bay.closed else 0.0
     half = min(WINDOW, 0.5 * edge.half) / 2
     top = float(edge.height(np.array([-half, half])).min()) - ABOVE - (bay.style.thickness if behind else 0.0)
     low = max(edge.floor + SILL, top - 2.2)

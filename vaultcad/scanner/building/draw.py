@@ -14,30 +14,22 @@ from families import (
     Cloister,
     Conch,
     Dome,
-    Groin,
-    Lunette,
-    Mirror,
-    Pointed,
-    Profile,
-    Sail,
-    Segmental,
     Semicircular,
-    Trough,
     Vault,
 )
-from families.declaration.lengths import with_lengths
 from families.declaration.usual_arches import either
 from vaultcad.errors import VaultcadError
 from vaultcad.scanner.building.elements import PIERS, Arch, Bay, Building, Door, PierKind, Style
 from vaultcad.scanner.building.joints import check_apart
 from vaultcad.scanner.building.place import Place
 from vaultcad.scanner.building.rows import at, beside, in_row
+from vaultcad.scanner.building.usual_vaults import bay_vault, lunettes, room_vault
 from vaultcad.scanner.settings import ScannerSettings
 
 Random = np.random.Generator
 HERE = Place(0.0, 0.0)
 POINTS_A_BAY = 120_000
-MOST_STATIONS = 9
+MOST_STATIONS = 12
 
 
 def draw_building(rng: Random, kind: str | None = None) -> Building:
@@ -55,7 +47,7 @@ def draw_building(rng: Random, kind: str | None = None) -> Building:
     count = len(building.bays)
     settings = ScannerSettings(
         points=min(1_500_000, POINTS_A_BAY * count),
-        stations=min(MOST_STATIONS, 2 + (2 * count) // 3),
+        stations=min(MOST_STATIONS, max(3, count)),
         noise=rng.uniform(0.001, 0.004),
         mixed=rng.uniform(0.1, 0.4),
         registration_shift=rng.uniform(0.001, 0.003),
@@ -72,23 +64,6 @@ def draw_building(rng: Random, kind: str | None = None) -> Building:
         origin=far if rng.random() < 0.2 else (0.0, 0.0, 0.0),
         settings=settings,
     )
-
-
-def arch_for(rise: float, span: float) -> Profile:
-    """An arch of a rise over a span [m], of the kind that builders took for it."""
-    ratio = rise / span
-    if ratio > 0.505:
-        return Pointed(ratio)
-    return Semicircular() if ratio > 0.495 else Segmental(ratio)
-
-
-def bay_vault(kind: str, span_x: float, span_y: float, rise: float) -> Vault:
-    """A vault over a rectangle that is open to all sides, or across y [m]."""
-    if kind == "groin":
-        return Groin(span_x, span_y, arch_for(rise, span_x), arch_for(rise, span_y))
-    if kind == "sail":
-        return with_lengths(Sail(span_x, span_y), {"rise": min(1.25 * rise, 0.48 * sqrt(span_x**2 + span_y**2))})
-    return Barrel(span_x, span_y, arch_for(rise, span_x))
 
 
 def _style(rng: Random, *piers: PierKind) -> Style:
@@ -157,7 +132,7 @@ def _cloister(rng: Random) -> Building:
     bays = [_bay(corner, HERE, springing, style)]
     for side, walk in (("north", str(rng.choice(["groin", "lunette"]))), ("east", "groin")):
         count = int(rng.integers(2, 5))
-        vaults = [bay] * count if walk == "groin" else [_lunettes(width, 3 * width, rise, 3)]
+        vaults = [bay] * count if walk == "groin" else [lunettes(width, 3 * width, rise, 3)]
         place, last, leave = HERE, corner, side
         for vault in vaults:
             place = beside(last, place, leave, vault, gap, enter="south")
@@ -165,10 +140,6 @@ def _cloister(rng: Random) -> Building:
             bays.append(_bay(vault, place, springing, style))
     doors = list(_rooms(bays, bays[1], "west", int(rng.integers(1, 3)), rng))
     return Building("cloister", tuple(bays), doors=tuple(doors))
-
-
-def _lunettes(span: float, length: float, rise: float, count: int) -> Lunette:
-    return Lunette(span, length, arch_for(rise, span), count=count)
 
 
 def _rooms(bays: list[Bay], first: Bay, side: str, count: int, rng: Random) -> Iterator[Door]:
@@ -194,22 +165,6 @@ def _rooms(bays: list[Bay], first: Bay, side: str, count: int, rng: Random) -> I
         yield Door(Place(way.x, way.y, last.floor, way.yaw), gap + 1.2 * abs(sin(turn)) + 0.1, rng.uniform(0.9, 1.3))
         bays.append(new)
         last, count, tries = new, count - 1, 0
-
-
-def room_vault(rng: Random) -> Vault:
-    """As over the rooms of a palace."""
-    short = rng.uniform(3.2, 5.5)
-    long = short * rng.uniform(1.05, 1.6)
-    rise = rng.uniform(0.25, 0.42) * short
-    run = rng.uniform(0.2, 0.3) * short
-    return (
-        lambda: Trough(short, long, arch_for(rise, short)),
-        lambda: with_lengths(Mirror(short, long), {"run_x": run, "run_y": run, "cove_rise": run}),
-        lambda: _lunettes(short, long, rise, int(rng.integers(2, 4))),
-        lambda: Barrel(short, long, arch_for(rise, short)),
-        lambda: bay_vault("groin", short, long, rise),
-        lambda: bay_vault("sail", short, short, rise),
-    )[int(rng.integers(6))]()
 
 
 def _palace(rng: Random) -> Building:
