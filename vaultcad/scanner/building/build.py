@@ -124,15 +124,16 @@ def _window(bays: Sequence[Bay], edge: Edge, joints: Joints, labels: Labels) -> 
     bay = bays[edge.bay]
     if not bay.windows or edge.name in joints.taken.get(edge.bay, set()) or edge.half < 0.8:
         return
-    behind = bay.wall_arches if edge.rise > ARCHED and edge.name not in bay.closed else 0.0
+    if bay.wall_arches and edge.rise > ARCHED and edge.name not in bay.closed:
+        return  # below a wall arch the wall stays whole
     half = min(WINDOW, 0.5 * edge.half) / 2
-    top = float(edge.height(np.array([-half, half])).min()) - ABOVE - (bay.style.thickness if behind else 0.0)
+    top = float(edge.height(np.array([-half, half])).min()) - ABOVE
     low = max(edge.floor + SILL, top - 2.2)
-    outside = edge.middle + (behind + REVEAL + 0.15) * edge.normal + np.outer((-half, half), edge.along)
+    outside = edge.middle + (REVEAL + 0.15) * edge.normal + np.outer((-half, half), edge.along)
     if top - low < 0.5 or any(_reaches(other, outside, low, top) for other in bays):
         return
     wall, sky = solids.named(labels, WALL, SKY)
-    x, y, depth = half, behind + REVEAL, THROUGH
+    x, y, depth = half, REVEAL, THROUGH
     outline = [(-x, -depth), (x, -depth), (x, y), (-x, y)]
     frame = np.stack([edge.along, edge.normal])  # left-handed: the normal is to the right of the way along
     hole = solids.prism(outline, low, top, [wall, wall, sky, wall], (wall, wall))
