@@ -44,6 +44,15 @@ def vault_triangles(vault: Vault) -> Triangles:
     """The intrados with its components, meshed finely enough to be bent.
 
     Raises:
+        VaultcadError: as `vault_mesh` does.
+    """
+    return split(vault_mesh(vault), LONGEST_EDGE)
+
+
+def vault_mesh(vault: Vault) -> Triangles:
+    """The intrados with its components.
+
+    Raises:
         VaultcadError: the mesh of the B-Rep has a gap or leaves the numeric surface, so that labels would be wrong.
     """
     from families.solid.mesh import mesh
@@ -60,7 +69,7 @@ def vault_triangles(vault: Vault) -> Triangles:
         fault = "has a gap" if gap else f"leaves its numeric surface by {off:.4f} m"
         raise VaultcadError(f"the mesh of {vault} {fault}; change a size a little")
     bright = np.full(len(ideal.triangles), VAULT, np.float32)
-    return split(Triangles(ideal.vertices, ideal.triangles.astype(np.int64), ideal.component, bright), LONGEST_EDGE)
+    return Triangles(ideal.vertices, ideal.triangles.astype(np.int64), ideal.component, bright)
 
 
 def _rim(triangles: NDArray[np.integer]) -> NDArray[np.integer]:
