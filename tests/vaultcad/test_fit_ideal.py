@@ -49,7 +49,7 @@ IDEALS = (
     Cloister(8, 2.7, Segmental(0.4), 0.3, crossing=1),
     Cloister(8, 2.7, Semicircular(), 0.4, crossing=2),
     Barrel(4.8, 7.3, Pointed(0.7), slope=0.3),
-    Rib(4.6, 5.4, Pointed(0.55), Pointed(0.5), Segmental(0.42), 0.6),
+    Rib(4.6, 5.4, Pointed(0.75), Pointed(0.62), Semicircular()),
     Umbrella(8, 2.7, Segmental(0.3), Semicircular()),
 )
 

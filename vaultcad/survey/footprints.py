@@ -35,7 +35,7 @@ WEBS = 0.3  # how far the normals of a ceiling must keep to the directions of a 
 FEWEST_SIDES = 0.85  # of the best number of sides, what a lesser number must reach to be taken
 ALIGNED, FEWEST = np.cos(0.2), 10  # with a side, normals of which there must be so many
 UPRIGHT, WALLED = 0.1, 0.6  # |nz| of a wall at the most; how far walls must keep to the directions of a polygon
-GORES = 0.65  # of what heights at one distance from the middle differ, the share that must be a wave of gores
+GORES = 0.3  # of what heights at one distance from the middle differ, the share that must be a wave of gores
 RINGS = np.linspace(0.25, 0.9, 25)  # between which heights are compared, of how far the ceiling goes
 FAR_OFF = 4.5  # medians of what heights differ by, above which they are clutter's
 
@@ -67,8 +67,9 @@ def grounds_of(points: Array, normals: Array, steep: float) -> Mapping[str, tupl
     xy, facing = points[telling, :2], normals[telling, :2] / slant[telling, None]
     found: dict[str, tuple[Ground, ...]] = {}
     upper = ceiling & (points[telling, 2] > np.median(points[telling[ceiling], 2]))
-    hung = points[np.abs(normals[:, 2]) > steep, :2]
-    gored = _gored(points[telling], facing, ceiling, np.abs(normals[telling, 2]) < UPRIGHT)
+    over = points[np.abs(normals[:, 2]) > steep]
+    hung = over[:, :2]
+    gored = _gored(xy, facing, ceiling, np.abs(normals[telling, 2]) < UPRIGHT, over[:: max(1, len(over) // LOOKED_AT)])
     for shape, ground in (*_turned(xy, facing, ceiling, hung), *_polygons(xy, facing, upper, hung), *gored):
         found[shape] = (*found.get(shape, ()), ground)
     return found
@@ -195,15 +196,14 @@ def _sides(out: Array) -> tuple[int, float, float]:
 
 
 def _gored(
-    points: Array, facing: Array, ceiling: NDArray[np.bool_], walls: NDArray[np.bool_]
+    xy: Array, facing: Array, ceiling: NDArray[np.bool_], walls: NDArray[np.bool_], over: Array
 ) -> Iterator[tuple[str, Ground]]:
-    """The polygon from whose corners the ribs of an umbrella rise."""
-    xy = points[:, :2]
-    away = xy - np.quantile(xy[ceiling], [0.005, 0.995], axis=0).mean(axis=0)
+    """The polygon from whose corners the ribs of an umbrella rise; `over` (m, 3): the ceiling, slanting or not."""
+    middle = np.quantile(over[:, :2], [0.005, 0.995], axis=0).mean(axis=0)
+    away = xy - middle
     out = facing * np.sign((facing * away).sum(axis=1))[:, None]
-    reach, angle = np.hypot(away[:, 0], away[:, 1]), np.arctan2(away[:, 1], away[:, 0])
-    aside = ((away[:, 0] * out[:, 1] - away[:, 1] * out[:, 0]) / np.maximum(reach, 1e-9))[ceiling]
-    waves = _waves(reach[ceiling], angle[ceiling], points[ceiling, 2])
+    sideways = (away[:, 0] * out[:, 1] - away[:, 1] * out[:, 0]) / np.maximum(np.linalg.norm(away, axis=1), 1e-9)
+    angle, aside = np.arctan2(away[ceiling, 1], away[ceiling, 0]), sideways[ceiling]
 
     def parted(turn: Array) -> float:
         """Normals turn away from the middle of a side; over a cloister vault they turn towards it."""
@@ -214,14 +214,19 @@ def _gored(
         return float(-(np.cos(turn) * np.abs(aside)).sum())
 
     sides = _sides(out[walls] if walls.sum() > PAIRS else out[:0])
+    waves = _waves(over - [*middle, 0.0])
     for (n, yaw, kept), least, told in ((sides, WALLED, parted), (waves, GORES, smooth)):
-        if kept >= least and n > 2 and told(n * (angle[ceiling] - yaw)) > 0:
-            yield from _polygon(GORED, n, yaw, xy, out, xy[ceiling])
+        if kept >= least and n > 2 and told(n * (angle - yaw)) > 0:
+            yield from _polygon(GORED, n, yaw, xy, out, over[:, :2])
             return
 
 
-def _waves(reach: Array, angle: Array, height: Array) -> tuple[int, float, float]:
-    """How often heights (m,) go up and down round the middle, where first, and what of their differences that is."""
+def _waves(away: Array) -> tuple[int, float, float]:
+    """How often heights of places (m, 3) from a middle go up and down round that, and where they are highest [rad].
+
+    Third, what share of their differences that is.
+    """
+    reach, angle, height = np.hypot(away[:, 0], away[:, 1]), np.arctan2(away[:, 1], away[:, 0]), away[:, 2]
     ring = np.digitize(reach, edges := RINGS * np.quantile(reach, 0.95))
     seen = [k for k in range(1, len(RINGS)) if (ring == k).any()]
     looked = (ring > 0) & (ring < len(RINGS))
