@@ -7,8 +7,10 @@ from math import cos, pi, sin
 
 from families.declaration.plan import Plan
 
-RECTANGLE, POLYGON, DISC, HALF_DISC, SECTOR = SHAPES = ("rectangle", "polygon", "disc", "half disc", "sector")
-"""Of footprints; a family says which it stands over."""
+RECTANGLE, POLYGON, GORED, DISC, HALF_DISC, SECTOR = SHAPES = (
+    *("rectangle", "polygon", "gored polygon", "disc", "half disc", "sector"),
+)
+"""Of footprints; a family says which it stands over. Over a gored polygon ribs rise from the corners."""
 
 CORNERED = 1.13  # every second side of an octagon so much farther away: there are the corners of a square
 

@@ -73,6 +73,8 @@ class Vault(Parametric):
     four_corners: ClassVar[bool] = True  # whether its plan has four corners, which may be free
     stands_over: ClassVar[str] = RECTANGLE  # shape of the ground that a fit looks for it over, of `footprint.SHAPES`
 
+    supple: ClassVar[bool] = False  # whether it bends so far that it passes for others: a fit tries it where they fail
+
     variants: ClassVar[tuple[str, ...]] = ()  # whole numbers that say which of several kinds it is: a fit tries each
 
     skew: Skew | None = field(default=None, kw_only=True)  # where the plan is no rectangle

@@ -96,6 +96,8 @@ def _on_piers(vault: Vault, settings: ScannerSettings, intrados: Triangles) -> l
     plan = vault.plan
     if plan.on_wall_x or plan.on_wall_y:
         raise ValueError(f"walls = 'piers': {vault.called} stands on its walls; take walls = 'walls'")
+    if len(plan.sides) != 4:
+        raise ValueError(f"walls = 'piers': {vault.called} has no four corners for them; take walls = 'walls'")
     floor = -settings.wall_height
     inner = np.array([plan.half_x, plan.half_y]) - ARCH_DROP
     outer = inner + ARCH_DROP + ARCH_DEPTH
