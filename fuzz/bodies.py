@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
-from families.declaration.pieces import Lid, Piece
+from families.declaration.pieces import Lid, Piece, Web
 from families.declaration.plan import Plan
 from families.declaration.vault import IDENTITY
 from families.solid.mesh import mesh
@@ -18,6 +18,7 @@ from families.void.columns import heights
 Array = NDArray[np.float64]
 Within = Callable[[Array], NDArray[np.bool_]]
 FINE, FINER = 5e-4, 1e-4  # [m] between triangles and the surface; where the plan is round, on whose rim they are short
+COARSE = 5e-3  # [m] likewise of webs, which end in straight lines of the plan, so that no triangle is on two of them
 NARROW = 1e-3  # of half the width of a plan, no farther
 GAUSS = (np.ones((3, 3)) + 3 * np.eye(3)) / 6  # barycentric coordinates of points that integrate degree 2 exactly
 BOX = np.random.default_rng(0).uniform((-1, -1, 0), 1, (400_000, 3))
@@ -66,6 +67,8 @@ def integral_of(vault: Vault) -> tuple[float, float]:
     step; only their places are the B-Rep's, the heights are not.
     """
     plan, fine = vault.plan, FINE
+    if any(isinstance(part, Web) for piece in vault.pieces() for part in piece.parts):
+        fine = COARSE
     if any(side.centre is not None for side in plan.sides):
         rim = sum(float(np.linalg.norm(row - np.roll(row, 1, axis=0), axis=1).sum()) for row in plan.outlines())
         fine = min(FINER, NARROW * plan.area / rim)

@@ -15,12 +15,13 @@ from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Plan
-from families.declaration.profiles import Pointed, Profile, Semicircular
+from families.declaration.profiles import UNSTILTED, BasketHandle, Pointed, Profile, Semicircular
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import COARSE_RISES, either
 from families.declaration.vault import Vault
 
 SIDES = ("south", "east", "north", "west")
+ONE_ARC = tuple(kind for kind in UNSTILTED if kind is not BasketHandle)
 
 
 def _level_ridges(vault: Rib) -> dict[str, float]:
@@ -64,6 +65,12 @@ class Rib(Vault):
     }
     usual: ClassVar[Mapping[str, tuple[float, float]]] = {"ridge_bow": (0.5, 0.3)}
     alike: ClassVar[tuple[str, ...]] = ("profile_x", "profile_y")
+    # On a stilt a web would not meet its ribs; the haunches of a basket handle vanish where it is no higher than they.
+    arch_kinds: ClassVar[Mapping[str, tuple[type[Profile], ...]]] = {
+        "profile_x": ONE_ARC,
+        "profile_y": ONE_ARC,
+        "profile_diagonal": UNSTILTED,
+    }
     quarter_turn: ClassVar[Symmetry | None] = Symmetry(exchanged=("x", "y"))
     constraints: ClassVar[tuple[Constraint, ...]] = (
         Constraint("straight-ridges", "the ridges are straight", {"ridge_bow": 0.0}, rare=True),
