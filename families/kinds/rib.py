@@ -79,8 +79,8 @@ class Rib(Vault):
 
     span_x: Annotated[float, Range(0.5, 40, "m", "clear width at the springing along x")] = 5.0
     span_y: Annotated[float, Range(0.5, 40, "m", "clear width at the springing along y")] = 5.0
-    profile_x: Profile = Pointed(0.7)
-    profile_y: Profile = Pointed(0.7)
+    profile_x: Profile = Pointed(0.71)
+    profile_y: Profile = Pointed(0.71)
     profile_diagonal: Profile = Semicircular()
     ridge_bow: Annotated[float, Range(0, 1, "1", "bend of the ridges: 0 straight, 1 level at the crown")] = 0.0
 
