@@ -208,6 +208,7 @@ def segmental(half_span: float, rise: float) -> Curve:
 
 
 PROFILES: tuple[type[Profile], ...] = (Semicircular, Segmental, Pointed, BasketHandle, Elliptical, Stilted)
+UNSTILTED: tuple[type[Profile], ...] = tuple(kind for kind in PROFILES if kind is not Stilted)
 
 
 def as_kind(kind: type[Profile], profile: Profile) -> Profile | None:

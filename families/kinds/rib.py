@@ -15,12 +15,13 @@ from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Plan
-from families.declaration.profiles import Pointed, Profile, Segmental, Semicircular
+from families.declaration.profiles import UNSTILTED, BasketHandle, Pointed, Profile, Segmental, Semicircular
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import COARSE_RISES, either
 from families.declaration.vault import Vault
 
 SIDES = ("south", "east", "north", "west")
+ONE_ARC = tuple(kind for kind in UNSTILTED if kind is not BasketHandle)
 SHARE = 0.5  # of the way to the corners, where its diagonals are looked at
 CREASED = 0.97  # cosine between the webs beside a diagonal, above which they are one surface, such as a sail
 OTHERWISE = 0.02  # of the rise, what its diagonals are off those of two crossing barrels at least
@@ -74,6 +75,12 @@ class Rib(Vault):
     }
     usual: ClassVar[Mapping[str, tuple[float, float]]] = {"ridge_bow": (0.5, 0.3)}
     alike: ClassVar[tuple[str, ...]] = ("profile_x", "profile_y")
+    # On a stilt a web would not meet its ribs; the haunches of a basket handle vanish where it is no higher than they.
+    arch_kinds: ClassVar[Mapping[str, tuple[type[Profile], ...]]] = {
+        "profile_x": ONE_ARC,
+        "profile_y": ONE_ARC,
+        "profile_diagonal": UNSTILTED,
+    }
     quarter_turn: ClassVar[Symmetry | None] = Symmetry(exchanged=("x", "y"))
     supple: ClassVar[bool] = True
     constraints: ClassVar[tuple[Constraint, ...]] = (
@@ -83,8 +90,8 @@ class Rib(Vault):
 
     span_x: Annotated[float, Range(0.5, 40, "m", "clear width at the springing along x")] = 5.0
     span_y: Annotated[float, Range(0.5, 40, "m", "clear width at the springing along y")] = 5.0
-    profile_x: Profile = Pointed(0.7)
-    profile_y: Profile = Pointed(0.7)
+    profile_x: Profile = Pointed(0.71)
+    profile_y: Profile = Pointed(0.71)
     profile_diagonal: Profile = Semicircular()
     ridge_bow: Annotated[float, Range(0, 1, "1", "bend of the ridges: 0 straight, 1 level at the crown")] = 0.0
 

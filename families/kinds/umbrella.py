@@ -14,7 +14,7 @@ from families.declaration.footprint import GORED, Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Plan
-from families.declaration.profiles import Elliptical, Profile, Segmental, Semicircular
+from families.declaration.profiles import UNSTILTED, Elliptical, Profile, Segmental, Semicircular
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import drawn_arch
 from families.declaration.vault import Vault
@@ -40,6 +40,10 @@ class Umbrella(Vault):
     roof_type: ClassVar[str] = "DOME_ROOF"
     ratios: ClassVar[Mapping[str, str]] = {"rise": "rise_ratio_diagonal", "arch_rise": "rise_ratio"}
     quarter_turn: ClassVar[Symmetry | None] = None
+    arch_kinds: ClassVar[Mapping[str, tuple[type[Profile], ...]]] = {
+        "profile": UNSTILTED,  # on a stilt a web would not meet its ribs
+        "profile_diagonal": UNSTILTED,
+    }
     four_corners: ClassVar[bool] = False
     stands_over: ClassVar[str] = GORED
 

@@ -152,7 +152,8 @@ class _ChoiceSearch:
         """Fit a choice, if there is a vault of the family with these arches that comes near, and nobody forbids it."""
         key = (kinds, frozenset(c.name for c in kept))
         old = start.vault.profiles
-        new = {name: as_kind(kind, arch) for (name, arch), kind in zip(old.items(), kinds, strict=True)}
+        wanted = [one for one in zip(old.items(), kinds, strict=True) if one[1] in start.vault.kinds_for(one[0][0])]
+        new = {name: as_kind(kind, arch) for (name, arch), kind in wanted}
         arches = {name: arch for name, arch in new.items() if arch is not None}
         if key in self.fitted or len(arches) < len(old):
             return

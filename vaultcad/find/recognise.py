@@ -10,7 +10,7 @@ from math import exp, inf, log
 import numpy as np
 from numpy.typing import NDArray
 
-from families import FAMILIES, PROFILES, Vault
+from families import FAMILIES, Vault
 from families.declaration.constraints import Constraint
 from families.declaration.corners import Skew
 from families.declaration.profiles import as_kind
@@ -185,7 +185,7 @@ class _Judge:
         for name in best.vault.profiles:
             placed = best.solution.placed
             old = placed.vault.profiles[name]
-            for kind in PROFILES:
+            for kind in placed.vault.kinds_for(name):
                 new = None if type(old) is kind else as_kind(kind, old)
                 if new is None:
                     continue

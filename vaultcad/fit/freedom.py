@@ -83,13 +83,16 @@ class Demands:
     def suited(self, vault: Vault) -> Vault | None:
         """The vault, or the first with other profiles that has all sizes; None if none has."""
         own = vault.profiles
+        if any(kind not in vault.kinds_for(name) for name, kind in self.arches.items() if name in own):
+            return None
         fixed = {name: as_kind(kind, own[name]) or kind() for name, kind in self.arches.items() if name in own}
         vault = vault.with_arches(fixed)
         if self.suits(vault) and self.met(self.begun(vault)):
             return vault
         places = [name for name in own if name not in fixed]
-        others = (vault.with_arches({name: kind()}) for name in places for kind in PROFILES)
-        every = (vault.with_arches({name: kind() for name in places}) for kind in PROFILES)
+        others = (vault.with_arches({name: kind()}) for name in places for kind in vault.kinds_for(name))
+        common = (kind for kind in PROFILES if all(kind in vault.kinds_for(name) for name in places))
+        every = (vault.with_arches({name: kind() for name in places}) for kind in common)
         suiting = [other for other in (vault, *others, *every) if self.suits(other)]
         within = (other for other in suiting if self.met(self.begun(other)))  # not only its ratio, the size too
         return next(within, suiting[0] if suiting else None)
