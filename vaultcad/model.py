@@ -83,10 +83,11 @@ class Deviation:
     loa: str  # USIBD level of accuracy of the 95 % limit: "LOA10" (coarser than 5 cm) ... "LOA50" (1 mm)
 
 
-# Marks of numbers that are not to be trusted: flag -> sign and what it says.
+# Marks of numbers that one vault alone does not tell: flag -> sign and what it says.
 FLAGS: Mapping[str, tuple[str, str]] = {
     "unseen": ("?", "hangs on stone that the scan did not see"),
     "weak": ("~", "is known only roughly"),
+    "row": ("=", "is that of all bays of its row"),
 }
 
 
