@@ -25,7 +25,7 @@ def show_summary(model: Model, out: Path) -> None:
 def _show_building(model: Model) -> None:
     """A line a vault in the order of the rows, and one for all arches."""
     building, up = building_of(model), float(model.origin[2])
-    head = ("no", "bay", "family", "sure", "plan, m", "rise, m", "springing, m", "rms, mm")
+    head = ("no", "bay", "family", "sure", "plan, m", "rise", "springing", "rms, mm")
     rows = []
     for k in (k for row in building.rows for k in row):
         fitted = model.vaults[k - 1]
@@ -34,7 +34,7 @@ def _show_building(model: Model) -> None:
         rise = fitted.vault.derived_values()["rise"]
         figures = (f"{fitted.confidence:.0%}", plan, f"{rise:.2f}", f"{fitted.pose.z + up:.2f}")
         name = "{}{}".format(*building.bay(k))
-        rows.append((f"{k}", name, fitted.vault.title, *figures, f"{1000 * fitted.deviation.rms:.1f}"))
+        rows.append((f"{k}", name, fitted.vault.id, *figures, f"{1000 * fitted.deviation.rms:.1f}"))
     show_table(head, rows, numbers=(0, 3, 4, 5, 6, 7))
     if model.arches:
         typer.echo(f"{_arches(model)}\n")

@@ -25,8 +25,8 @@ class Building:
     """Vaults by their numbers, from 1.
 
     rows: equal neighbours in line, joined by arches, each in the order of its bays, from west to east or south to
-    north; the longest first. rooms: what arches join. storeys: from below, each with its floor in the scan's local
-    frame [m]; that of the lowest is not known: NaN.
+    north; the longest first, those as long likewise. rooms: what arches join. storeys: from below, each with its floor
+    in the scan's local frame [m]; that of the lowest is not known: NaN.
     """
 
     rows: tuple[tuple[int, ...], ...]
@@ -109,7 +109,14 @@ def _rows(vaults: Sequence[PlacedVault], joined: Sequence[tuple[int, int]]) -> t
         chains = [_chain(vaults, link, here) for link in here] or [(min(left),)]
         rows.append(_in_order(vaults, max(chains, key=lambda chain: (len(chain), [-k for k in sorted(chain)]))))
         left -= set(rows[-1])
-    return tuple(rows)
+    return tuple(sorted(rows, key=lambda row: (-len(row), _place_across(vaults, row, rows[0]), row)))
+
+
+def _place_across(vaults: Sequence[PlacedVault], row: tuple[int, ...], first: tuple[int, ...]) -> float:
+    """How far the middle of a row is north [m], or east where the first row runs from south to north."""
+    x, y = _way(vaults, first[0], first[-1]) if len(first) > 1 else (1.0, 0.0)
+    north = np.array([-y, x]) if x >= abs(y) else np.array([y, -x])
+    return float(north @ np.mean([(vaults[k - 1].pose.x, vaults[k - 1].pose.y) for k in row], axis=0))
 
 
 def _are_alike(one: PlacedVault, other: PlacedVault) -> bool:

@@ -46,6 +46,15 @@ def test_a_grid_is_rows_along_its_longer_side(building):
     assert building_of(dataclasses.replace(building, vaults=vaults, arches=arches)).rows == ((1, 2, 3), (4, 5, 6))
 
 
+def test_rows_as_long_are_named_from_south_to_north_whatever_their_numbers(building):
+    vault = building.vaults[0]
+    places = [(0, 2), (1, 2), (0, 0), (1, 0), (0, 1), (1, 1)]
+    vaults = tuple(dataclasses.replace(vault, pose=Pose(5.1 * x, 5.5 * y, 3.0, 0.0)) for x, y in places)
+    pairs = [(1, 2), (3, 4), (5, 6)]
+    arches = tuple(dataclasses.replace(building.arches[0], beside=pair) for pair in pairs)
+    assert building_of(dataclasses.replace(building, vaults=vaults, arches=arches)).rows == ((3, 4), (5, 6), (1, 2))
+
+
 def test_a_row_does_not_go_round_a_corner_and_ends_at_another_size(building):
     vault = building.vaults[0]
     wide = dataclasses.replace(vault, vault=Groin(6.0, 5.0), pose=Pose(-6.0, 0.0, 3.0, 0.0))
