@@ -21,9 +21,11 @@ from families.kinds.dome import Dome
 from families.kinds.groin import Groin
 from families.kinds.lunette import Lunette
 from families.kinds.mirror import Mirror
+from families.kinds.rib import Rib
 from families.kinds.rotunda import Rotunda
 from families.kinds.sail import Sail
 from families.kinds.trough import Trough
+from families.kinds.umbrella import Umbrella
 
 __all__ = [
     "FAMILIES",
@@ -42,6 +44,7 @@ __all__ = [
     "Pointed",
     "Profile",
     "Range",
+    "Rib",
     "Rotunda",
     "Sail",
     "Segmental",
@@ -49,6 +52,7 @@ __all__ = [
     "Stilted",
     "Surface",
     "Trough",
+    "Umbrella",
     "Vault",
     "family",
     "ideal",

@@ -20,9 +20,11 @@ from families.kinds.dome import Dome
 from families.kinds.groin import Groin
 from families.kinds.lunette import Lunette
 from families.kinds.mirror import Mirror
+from families.kinds.rib import Rib
 from families.kinds.rotunda import Rotunda
 from families.kinds.sail import Sail
 from families.kinds.trough import Trough
+from families.kinds.umbrella import Umbrella
 
 SKEWS = tuple(Skew().values())
 FAMILIES: list[type[Vault]] = []
@@ -154,5 +156,5 @@ def _plain(name: str) -> str:
     return "".join(c for c in bare if c.isalnum())
 
 
-for _kind in (Sail, Barrel, Lunette, Trough, Mirror, Groin, Dome, Cloister, Conch, Annular, Rotunda):
+for _kind in (Sail, Barrel, Lunette, Trough, Mirror, Groin, Dome, Cloister, Conch, Annular, Rotunda, Rib, Umbrella):
     register(_kind)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
-from families.declaration.pieces import Lid, Piece
+from families.declaration.pieces import Lid, Piece, Web
 from families.declaration.plan import Plan
 from families.declaration.vault import IDENTITY
 from families.solid.mesh import mesh
@@ -18,6 +18,7 @@ from families.void.columns import heights
 Array = NDArray[np.float64]
 Within = Callable[[Array], NDArray[np.bool_]]
 FINE = 5e-4  # [m] between triangles and the surface, and between their edges and a round rim
+COARSE = 5e-3  # [m] likewise of webs, which end in straight lines of the plan, so that no triangle is on two of them
 NARROW = 2e-3  # of half the width of a plan with a round rim, no farther
 AROUND = 4.0  # times that distance, above and below a triangle, within which the surface is looked for first
 RIM = 1e-6  # [m] that the ends of edges may be off a round rim
@@ -69,6 +70,8 @@ def integral_of(vault: Vault) -> tuple[float, float]:
     is round, the segments between chords and rim are added.
     """
     plan, fine = vault.plan, FINE
+    if any(isinstance(part, Web) for piece in vault.pieces() for part in piece.parts):
+        fine = COARSE
     rounds = {(side.centre, round(side.radius, 12), side.inside) for side in plan.sides if side.centre is not None}
     if rounds:
         rim = sum(float(np.linalg.norm(row - np.roll(row, 1, axis=0), axis=1).sum()) for row in plan.outlines())

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from families import PROFILES, Vault
+from families import Vault
 from families.declaration.corners import Skew
 from families.declaration.parameters import Parametric
 
@@ -22,7 +22,8 @@ def anywhere(family: type[Vault], seed: int) -> Vault:
     rng, ideal = np.random.default_rng(seed), family()
     arches: dict[str, Any] = {}
     for name in ideal.profiles:
-        arch = PROFILES[int(rng.integers(len(PROFILES)))]()
+        kinds = family.kinds_for(name)
+        arch = kinds[int(rng.integers(len(kinds)))]()
         arches[name] = replace(arch, **_values(arch, rng))
     vault = replace(ideal, **_values(ideal, rng), **arches)
     if not family.four_corners or rng.random() > SKEWED:

@@ -123,6 +123,15 @@ def _arcade(out: Path) -> None:
     assert [part.volume for part in bays] == pytest.approx([bay] * 5, rel=1e-4)
 
 
+def _church(out: Path) -> None:
+    with np.load(out / "church.truth.npz") as truth:
+        case = json.loads(str(truth["case"]))
+        assert len(truth["vault"]) == len(read(out / "church.laz")) == pytest.approx(60_000, rel=0.1)
+        assert set(np.unique(truth["vault"])) == set(range(len(case["vaults"]) + 1))
+        assert set(np.unique(truth["arch"])) == set(range(len(case["arches"]) + 1))
+    assert [vault["family"] for vault in case["vaults"]] == [*["groin"] * 8, "barrel", "conch", "mirror"]
+
+
 PROMISED: dict[str, tuple[list[str], Callable[[Path], None]]] = {
     "01_ideal_vault": ([], _ideal_vault),
     "02_all_families": ([], _all_families),
@@ -135,6 +144,7 @@ PROMISED: dict[str, tuple[list[str], Callable[[Path], None]]] = {
     "09_room_under_a_vault": ([], _room_under_a_vault),
     "10_nave": (["--bays", "3"], _nave),
     "11_arcade": ([], _arcade),
+    "12_church": (["--points", "60000"], _church),
 }
 
 

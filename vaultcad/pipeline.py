@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
+from segmentation.notes import Note
 from vaultcad.errors import NoVaultError
 from vaultcad.find.arches import FoundArch
 from vaultcad.find.choices import odds, rivals, widened
@@ -23,6 +24,7 @@ from vaultcad.find.found import Found
 from vaultcad.find.recognise import confidence
 from vaultcad.find.search import find_vaults
 from vaultcad.fit.demands import demand
+from vaultcad.fit.freedom import RECTANGLE
 from vaultcad.fit.label import ArchBand, Labels, label
 from vaultcad.fit.solve import Placed
 from vaultcad.fit.uncertainty import covariance, open_ends
@@ -55,6 +57,7 @@ class FitSettings:
     thickness: float = 0.15  # m, of the solid
     fix: Mapping[str, float | str] = field(default_factory=dict)  # sizes and place [m, rad, 1], kinds of arches
     free: tuple[str, ...] = ()  # names of constraints that are not kept
+    rectangular: bool = False  # plans are rectangles, whatever the scan says
 
 
 @dataclass(frozen=True)
@@ -93,6 +96,7 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
     """
     settings = settings or FitSettings()
     families, demands = demand(settings.families, settings.fix, settings.free, cloud.origin.tolist())
+    demands = replace(demands, rectangular=settings.rectangular)
     seconds: dict[str, float] = {}
     rng = np.random.default_rng(settings.seed)
     with _stage("thinning", seconds, progress):
@@ -136,9 +140,22 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
         seconds=seconds,
         unit=float(cloud.scale[0]),
         crs=cloud.crs,
-        notes=(*cloud.notes, *notes),
+        notes=(*cloud.notes, *notes, *(() if RECTANGLE.name in demands.freed else _askew(vaults))),
     )
     return Result(model, labels, scanned.points, thinned.component, thinned.vault, thinned.deviation.astype(np.float64))
+
+
+def _askew(vaults: Sequence[FittedVault]) -> Iterator[Note]:
+    """What is to be said of vaults whose plans the scan shows to be no rectangles."""
+    off = {
+        number: float(np.linalg.norm(fitted.vault.corners - replace(fitted.vault, skew=None).corners, axis=1).max())
+        for number, fitted in enumerate(vaults, 1)
+        if fitted.vault.skew is not None
+    }
+    if off:
+        which = f" of vault{'s' if len(off) > 1 else ''} {', '.join(map(str, off))}" if len(vaults) > 1 else ""
+        text = f"the plan{which} is no rectangle: corners are off by up to {100 * max(off.values()):.1f} cm"
+        yield Note("corners", text + ", and were fitted free")
 
 
 @contextmanager

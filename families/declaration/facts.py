@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from families.declaration.footprint import SHAPES
 from families.declaration.parameters import derived_declarations
-from families.declaration.profiles import PROFILES
 
 if TYPE_CHECKING:
     from families.declaration.vault import Vault
@@ -74,7 +73,7 @@ def check_facts(cls: type[Vault]) -> None:
 def _names(vault: Vault) -> Iterator[tuple[str, Collection[str], Collection[str]]]:
     """Facts with the names that stand in them, and the names that there are."""
     arches, lengths = vault.profiles, derived_declarations(type(vault))
-    variants = [vault, *(vault.with_arches({name: kind()}) for name in arches for kind in PROFILES)]
+    variants = [vault, *(vault.with_arches({name: kind()}) for name in arches for kind in vault.kinds_for(name))]
     sizes = dict.fromkeys(p.name for one in variants for p in one.parameters())
     bodies = [part for piece in vault.pieces() for part in piece.parts]
     yield "aliases", vault.aliases, LANGUAGES
@@ -89,6 +88,7 @@ def _names(vault: Vault) -> Iterator[tuple[str, Collection[str], Collection[str]
     yield "usual", vault.usual, sizes
     yield "alike", vault.alike, arches
     yield "raised", vault.raised, arches
+    yield "arch_kinds", vault.arch_kinds, arches
     yield "half_turn", () if vault.half_turn is None else vault.half_turn.negated, sizes | lengths
     yield "variants", vault.variants, sizes
     yield "stands_over", (vault.stands_over,), SHAPES

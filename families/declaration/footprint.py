@@ -7,8 +7,10 @@ from math import cos, pi, sin
 
 from families.declaration.plan import Plan
 
-RECTANGLE, POLYGON, DISC, HALF_DISC, SECTOR = SHAPES = ("rectangle", "polygon", "disc", "half disc", "sector")
-"""Of footprints; a family says which it stands over."""
+RECTANGLE, POLYGON, GORED, DISC, HALF_DISC, SECTOR = SHAPES = (
+    *("rectangle", "polygon", "gored polygon", "disc", "half disc", "sector"),
+)
+"""Of footprints; a family says which it stands over. Over a gored polygon ribs rise from the corners."""
 
 CORNERED = 1.13  # every second side of an octagon so much farther away: there are the corners of a square
 
@@ -20,7 +22,8 @@ class Footprint:
 
     span_x, span_y: clear widths [m], for all but a rectangle those of the whole circle, or of that within a polygon.
     sides: of a polygon. diagonal: how far its every second side is / the first. hole: inner radius / outer radius of a
-    sector. angle: of a sector [rad]. slope_x, slope_y: by which the ceiling over a rectangle climbs along it.
+    sector. angle: of a sector [rad]. slope_x, slope_y: by which the ceiling over a rectangle climbs along it. splay_x,
+    splay_y: by which share what would be one is wider at its east than in the middle, and at its north.
     """
 
     span_x: float
@@ -31,6 +34,8 @@ class Footprint:
     angle: float = 2 * pi
     slope_x: float = 0.0
     slope_y: float = 0.0
+    splay_x: float = 0.0
+    splay_y: float = 0.0
 
     @property
     def radius(self) -> float:
@@ -55,7 +60,15 @@ class Footprint:
         """A rectangle seen along axes that are turned by so many right angles."""
         if quarters % 4 == 0:
             return self
-        once = replace(self, span_x=self.span_y, span_y=self.span_x, slope_x=self.slope_y, slope_y=-self.slope_x)
+        once = replace(
+            self,
+            span_x=self.span_y,
+            span_y=self.span_x,
+            slope_x=self.slope_y,
+            slope_y=-self.slope_x,
+            splay_x=self.splay_y,
+            splay_y=-self.splay_x,
+        )
         return once.turned(quarters % 4 - 1)
 
     def square(self, unequal: float) -> bool:

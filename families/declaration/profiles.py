@@ -37,6 +37,17 @@ class Curve:
         """Radius of curvature at the crown [m]."""
         return self.arcs[-1].radius if self.arcs else self.half_span**2 / self.rise
 
+    def height(self, u: float) -> float:
+        """Height [m] above the springing at a distance from the axis.
+
+        >>> Pointed(1.0).curve(2.0).height(0.0)
+        4.0
+        """
+        if not self.arcs:
+            return self.rise * sqrt(max(1 - (u / self.half_span) ** 2, 0.0))
+        arc = self.arcs[0] if len(self.arcs) > 1 and u > junction(self)[0] else self.arcs[-1]
+        return arc.z + sqrt(max(arc.radius**2 - (u - arc.u) ** 2, 0.0))
+
     def grown(self, thickness: float) -> Curve:
         """The extrados: every radius plus `thickness` [m] about the same centres (R + t)."""
         arcs = tuple(Arc(a.u, a.z, a.radius + thickness) for a in self.arcs)
@@ -197,6 +208,7 @@ def segmental(half_span: float, rise: float) -> Curve:
 
 
 PROFILES: tuple[type[Profile], ...] = (Semicircular, Segmental, Pointed, BasketHandle, Elliptical, Stilted)
+UNSTILTED: tuple[type[Profile], ...] = tuple(kind for kind in PROFILES if kind is not Stilted)
 
 
 def as_kind(kind: type[Profile], profile: Profile) -> Profile | None:

@@ -19,7 +19,7 @@ from families.declaration.footprint import RECTANGLE, Footprint
 from families.declaration.parameters import Parametric
 from families.declaration.pieces import Piece
 from families.declaration.plan import Plan
-from families.declaration.profiles import Profile
+from families.declaration.profiles import PROFILES, Profile
 from families.declaration.symmetry import Symmetry
 
 if TYPE_CHECKING:
@@ -66,12 +66,15 @@ class Vault(Parametric):
     constraints: ClassVar[tuple[Constraint, ...]] = ()  # in the order in which a fit tries them
     usual: ClassVar[Mapping[str, tuple[float, float]]] = {}  # mean and deviation of parameters that are let go
     alike: ClassVar[tuple[str, ...]] = ()  # the arches that are mostly of one kind
+    arch_kinds: ClassVar[Mapping[str, tuple[type[Profile], ...]]] = {}  # of arches that cannot be of every kind
     raised: ClassVar[tuple[str, ...]] = ()  # the arches that spring higher than the vault itself
     quarter_turn: ClassVar[Symmetry | None]  # what a turn by 90° changes; None if it is none of the family then
     half_turn: ClassVar[Symmetry | None] = Symmetry()  # what a turn by 180° changes, likewise
 
     four_corners: ClassVar[bool] = True  # whether its plan has four corners, which may be free
     stands_over: ClassVar[str] = RECTANGLE  # shape of the ground that a fit looks for it over, of `footprint.SHAPES`
+
+    supple: ClassVar[bool] = False  # whether it bends so far that it passes for others: a fit tries it where they fail
 
     variants: ClassVar[tuple[str, ...]] = ()  # whole numbers that say which of several kinds it is: a fit tries each
 
@@ -86,8 +89,14 @@ class Vault(Parametric):
         """Refuse values that cannot be.
 
         Raises:
-            ValueError: one is outside its range, or free corners are given to a plan that has not four.
+            ValueError: one is outside its range, an arch is of a kind that the family does not have there, or free
+                corners are given to a plan that has not four.
         """
+        for name in self.arch_kinds:
+            arch, kinds = getattr(self, name), self.kinds_for(name)
+            if type(arch) not in kinds:
+                there = ", ".join(kind.id for kind in kinds)
+                raise ValueError(f"{name} = {arch.id!r} cannot be in {self.called}; there are {there}")
         if self.skew is not None and not self.four_corners:
             raise ValueError(f"the plan of {self.called} has no four corners that could be free")
         super().__post_init__()
@@ -115,6 +124,11 @@ class Vault(Parametric):
     @abstractmethod
     def drawn(cls, rng: np.random.Generator) -> Self:
         """A vault with sizes as builders chose them, for virtual scans."""
+
+    @classmethod
+    def kinds_for(cls, arch: str) -> tuple[type[Profile], ...]:
+        """The kinds of which an arch can be, by the name of its field."""
+        return cls.arch_kinds.get(arch, PROFILES)
 
     @property
     def called(self) -> str:

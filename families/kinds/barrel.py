@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
@@ -109,10 +110,10 @@ class Barrel(Vault):
 
     @classmethod
     def first_guesses(cls, over: Footprint) -> Iterator[Self]:
-        """All arches, level or as steep as the ceiling."""
-        for slope in dict.fromkeys((0.0, over.slope_y)):
+        """All arches, level or as steep as the ceiling, parallel or as wide as the ground at either end."""
+        for slope, splay in product(dict.fromkeys((0.0, over.slope_y)), dict.fromkeys((0.0, over.splay_y))):
             for profile in coarse_arches():
-                yield cls(over.span_x, over.span_y, profile, slope)
+                yield cls(over.span_x, over.span_y, profile, slope, splay)
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:

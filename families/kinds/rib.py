@@ -15,12 +15,23 @@ from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Plan
-from families.declaration.profiles import Pointed, Profile, Semicircular
+from families.declaration.profiles import UNSTILTED, BasketHandle, Pointed, Profile, Segmental, Semicircular
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import COARSE_RISES, either
 from families.declaration.vault import Vault
 
 SIDES = ("south", "east", "north", "west")
+ONE_ARC = tuple(kind for kind in UNSTILTED if kind is not BasketHandle)
+SHARE = 0.5  # of the way to the corners, where its diagonals are looked at
+CREASED = 0.97  # cosine between the webs beside a diagonal, above which they are one surface, such as a sail
+OTHERWISE = 0.02  # of the rise, what its diagonals are off those of two crossing barrels at least
+BESIDE = 0.01  # of the way to a corner, how far from a diagonal its webs are looked at
+BEGUN = 0.4  # where the bend of the ridges is looked for first
+
+
+def _bent(vault: Rib) -> dict[str, float]:
+    """Ridges that are bent a little."""
+    return {"ridge_bow": BEGUN}
 
 
 def _level_ridges(vault: Rib) -> dict[str, float]:
@@ -64,16 +75,23 @@ class Rib(Vault):
     }
     usual: ClassVar[Mapping[str, tuple[float, float]]] = {"ridge_bow": (0.5, 0.3)}
     alike: ClassVar[tuple[str, ...]] = ("profile_x", "profile_y")
+    # On a stilt a web would not meet its ribs; the haunches of a basket handle vanish where it is no higher than they.
+    arch_kinds: ClassVar[Mapping[str, tuple[type[Profile], ...]]] = {
+        "profile_x": ONE_ARC,
+        "profile_y": ONE_ARC,
+        "profile_diagonal": UNSTILTED,
+    }
     quarter_turn: ClassVar[Symmetry | None] = Symmetry(exchanged=("x", "y"))
+    supple: ClassVar[bool] = True
     constraints: ClassVar[tuple[Constraint, ...]] = (
-        Constraint("straight-ridges", "the ridges are straight", {"ridge_bow": 0.0}, rare=True),
+        Constraint("straight-ridges", "the ridges are straight", {"ridge_bow": 0.0}, begins=_bent, rare=True),
         Constraint("level-ridges", "the wall arches are as high as the crown", follows=_level_ridges),
     )
 
     span_x: Annotated[float, Range(0.5, 40, "m", "clear width at the springing along x")] = 5.0
     span_y: Annotated[float, Range(0.5, 40, "m", "clear width at the springing along y")] = 5.0
-    profile_x: Profile = Pointed(0.7)
-    profile_y: Profile = Pointed(0.7)
+    profile_x: Profile = Pointed(0.71)
+    profile_y: Profile = Pointed(0.71)
     profile_diagonal: Profile = Semicircular()
     ridge_bow: Annotated[float, Range(0, 1, "1", "bend of the ridges: 0 straight, 1 level at the crown")] = 0.0
 
@@ -81,6 +99,11 @@ class Rib(Vault):
     def rise(self) -> float:
         """Crown above the springing [m]."""
         return self.profile_diagonal.rise(self._half_diagonal)
+
+    @property
+    def top(self) -> float:
+        """The crown, or that of a wall arch which is higher [m]."""
+        return max(self.rise, self.rise_x, self.rise_y)
 
     @derived("m", "rise of the arch across x, over the southern and northern walls")
     def rise_x(self) -> float:
@@ -117,18 +140,49 @@ class Rib(Vault):
         )
         return (Piece(tuple(webs)),)
 
+    @property
+    def itself(self) -> bool:
+        """Whether there are creases along its diagonals, and others than a groin vault's."""
+        return self._creased and self._unlike_barrels
+
+    @property
+    def _creased(self) -> bool:
+        """Whether the webs beside a diagonal face different ways."""
+        (x, y), reach = self.plan.sides[0].end, self._half_diagonal
+        z = self.profile_diagonal.curve(reach).height(SHARE * reach)
+        beside = [[SHARE * x - side * y, SHARE * y + side * x, z] for side in (-BESIDE, BESIDE)]
+        one, other = self.evaluate(np.array(beside)).normal
+        return float(one @ other) < CREASED
+
+    @property
+    def _unlike_barrels(self) -> bool:
+        """Whether the diagonals run otherwise than barrels of the wall arches would cross, domical or not."""
+        half_spans = self._half_diagonal, self.span_x / 2, self.span_y / 2
+        arches = self.profile_diagonal, self.profile_x, self.profile_y
+        curves = [arch.curve(half_span) for arch, half_span in zip(arches, half_spans, strict=True)]
+        domical = self.rise - max(self.rise_x, self.rise_y)
+
+        def off(share: float) -> float:
+            own, *barrels = (curve.height(share * curve.half_span) for curve in curves)
+            return abs(own - max(barrels) - domical * (1 - share**2))
+
+        return max(map(off, (0.25, 0.5, 0.75, 0.9))) > OTHERWISE * self.rise
+
     @classmethod
     def first_guesses(cls, over: Footprint) -> Iterator[Self]:
-        """Semicircular and flatter diagonals under pointed wall arches."""
-        for diagonal, arch in product((0.35, 0.5), [r for r in COARSE_RISES if r >= 0.5]):
-            profile = Pointed(arch)
-            yield cls(over.span_x, over.span_y, profile, profile, Pointed.over(diagonal) or Semicircular())
+        """Semicircular and flatter diagonals, pointed wall arches of one rise / span, ridges straight and bent."""
+        arches = [Pointed(ratio) for ratio in COARSE_RISES if ratio >= 0.5]
+        for diagonal, arch, bow in product((Semicircular(), Segmental(0.4)), arches, (0.0, 0.7)):
+            yield cls(over.span_x, over.span_y, arch, arch, diagonal, bow)
 
     @classmethod
     def drawn(cls, rng: np.random.Generator) -> Self:
-        """Pointed wall arches about as high as the semicircular diagonals."""
+        """Pointed wall arches, as high as mostly semicircular diagonals, or lower under ridges that are bent."""
         span_x = rng.uniform(3, 7)
         span_y = span_x * rng.uniform(0.6, 1.2)
-        rise = hypot(span_x, span_y) / 2 * either(rng, 0.5, 1.0, 0.8, 1.0)
+        diagonal = Semicircular() if rng.random() < 0.7 else Segmental(rng.uniform(0.35, 0.48))
+        lower = either(rng, 0.5, 1.0, 0.85, 1.0)
+        rise = lower * diagonal.rise(hypot(span_x, span_y) / 2)
         arch_x, arch_y = (Pointed(min(max(rise / span, 0.5), 1.5)) for span in (span_x, span_y))
-        return cls(span_x, span_y, arch_x, arch_y, Semicircular())
+        bow = 0.0 if lower == 1.0 else float(rng.uniform(0.4, 1.0))
+        return cls(span_x, span_y, arch_x, arch_y, diagonal, bow)

@@ -10,11 +10,11 @@ from typing import Annotated, ClassVar, Self
 
 import numpy as np
 
-from families.declaration.footprint import POLYGON, Footprint
+from families.declaration.footprint import GORED, Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Plan
-from families.declaration.profiles import Elliptical, Profile, Segmental, Semicircular
+from families.declaration.profiles import UNSTILTED, Elliptical, Profile, Segmental, Semicircular
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import drawn_arch
 from families.declaration.vault import Vault
@@ -40,8 +40,12 @@ class Umbrella(Vault):
     roof_type: ClassVar[str] = "DOME_ROOF"
     ratios: ClassVar[Mapping[str, str]] = {"rise": "rise_ratio_diagonal", "arch_rise": "rise_ratio"}
     quarter_turn: ClassVar[Symmetry | None] = None
+    arch_kinds: ClassVar[Mapping[str, tuple[type[Profile], ...]]] = {
+        "profile": UNSTILTED,  # on a stilt a web would not meet its ribs
+        "profile_diagonal": UNSTILTED,
+    }
     four_corners: ClassVar[bool] = False
-    stands_over: ClassVar[str] = POLYGON
+    stands_over: ClassVar[str] = GORED
 
     sides: Annotated[int, Range(3, 12, "1", "webs and sides of the polygon")] = 8
     radius: Annotated[float, Range(0.5, 30, "m", "distance of the sides from the middle")] = 3.0
@@ -86,10 +90,15 @@ class Umbrella(Vault):
         )
         return (Piece(tuple(webs)),)
 
+    @property
+    def itself(self) -> bool:
+        """Whether it is over no square: that is a rib vault."""
+        return self.sides != 4
+
     @classmethod
     def first_guesses(cls, over: Footprint) -> Iterator[Self]:
         """Flat and steep ones."""
-        for rise, arch in product((0.3, 0.5), (0.3, 0.5)):
+        for rise, arch in product((0.25, 0.4, 0.55, 0.8), repeat=2):
             yield cls(over.sides, over.radius, Elliptical(arch), Elliptical(rise))
 
     @classmethod

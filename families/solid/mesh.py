@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
 ANGLE = 0.2  # [rad] between neighbouring triangles, so that small arcs stay round
-WELD = 7  # decimals of a metre to which vertices on a common edge agree
+WELD = 10  # decimals of a metre to which vertices on a common edge agree
 
 
 @dataclass(frozen=True)

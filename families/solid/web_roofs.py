@@ -1,9 +1,13 @@
-"""Webs between ribs as roofs: doubly curved, so splines through their own points, in halves that meet in the ridge."""
+"""Webs between ribs as roofs: doubly curved, in halves that meet in the ridge.
+
+Across they are rational curves of degree 2, exactly; towards the wall the poles of these follow the angle of the
+diagonals, by which they are smooth enough for splines.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from math import hypot
@@ -14,45 +18,31 @@ from OCP.Geom import Geom_BSplineSurface, Geom_Surface
 from OCP.Geom2d import Geom2d_Curve
 from OCP.gp import gp_Pnt
 from OCP.TColgp import TColgp_Array2OfPnt
-from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
+from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
 from scipy.optimize import brentq
 
 from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Vector
 from families.declaration.units import MM
+from families.solid import arches
+from families.solid.arches import HalfArch, arch_parameters, half_arches
 from families.solid.boundary import Step
-from families.solid.curves import Path, Point, Spline, drawn
+from families.solid.curves import Conic, Path, Point, Spline, drawn
 from families.solid.heights import WEB, WIDTH
 from families.solid.plan_cells import SAME_PLACE, Cut, Way
 from families.solid.roofs import NOTHING, Roof
 from families.solid.splines import DEGREE, interpolated
-from families.solid.surfaces import Sheet
+from families.solid.surfaces import UP, Sheet
 from families.void import kernel
-from families.void.profile_outline import half_outline
+from families.void.profile_outline import Bow, half_outline
 
 Array = NDArray[np.float64]
-NODES = 41  # along either parameter of a web
-AT = np.linspace(0, 1, NODES)
+NODES = 21  # towards the wall
 LOOKS = 400  # places at which the kind of the arch is looked at
 STRAIGHT = 1e-9  # [m]
-ROUNDING = 1e-12
+ROUNDING = 1e-13  # of a cosine
 AT_CENTRE = 1e-6  # of the way to the wall
-
-
-def slowed(at: Array) -> Array:
-    """Shares (n,) of a way at parameters from 0 to 1: slower and slower towards 1.
-
-    Next to a rib, where arches begin to spring upright, a web is a root of both shares: hence twice.
-    """
-    found: Array = np.sin(np.pi / 2 * np.sin(np.pi / 2 * at))
-    return found
-
-
-def paced(share: Array) -> Array:
-    """The inverse of `slowed`; what is within rounding of the end is the end."""
-    share = np.where(share > 1 - ROUNDING, 1.0, share)
-    found: Array = np.arcsin(np.arcsin(share) * 2 / np.pi) * 2 / np.pi
-    return found
+BESIDE_CENTRE = 1e-4  # likewise: what is nearer is told from there
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,9 +67,22 @@ class WebFrame:
         """Unit vector along the wall; the way out of the centre is to its right."""
         return float(self.packed[0, kernel.ACROSS_X]), float(self.packed[0, kernel.ACROSS_Y])
 
-    def arch_rise(self, v: float) -> float:
-        """Rise of the arch at a share of the way."""
-        return float(kernel.web_arch_rise(v, self.packed))
+    @cached_property
+    def bows(self) -> tuple[Bow, ...]:
+        """The diagonals from wall to crown."""
+        return half_outline(self.part.diagonal, 0.0, self.part.diagonal.half_span, -np.inf)
+
+    def ratios(self, v: Array) -> Array:
+        """Rise by half the span (n,) of the arches at shares of the way; at the centre, where both are 0, the limit."""
+
+        def ratio(at: Array) -> Array:
+            rises: Array = kernel.web_arch_rises(at, self.packed)
+            return rises / (at * self.size[2])
+
+        far = ratio(np.maximum(v, BESIDE_CENTRE))
+        slope = ratio(np.full_like(v, 2 * BESIDE_CENTRE)) - ratio(np.full_like(v, BESIDE_CENTRE))
+        found: Array = far + slope * np.minimum(v / BESIDE_CENTRE - 1, 0.0)
+        return found
 
     def shares(self, x: float, y: float) -> Vector:
         """Share of the way to the wall, and distance from the middle there [m], of a place in plan."""
@@ -88,35 +91,17 @@ class WebFrame:
         v = (x * ty - y * tx) / depth
         return v, x * tx + y * ty - v * middle
 
-    def place(self, v: Array, u: Array) -> tuple[Array, Array]:
-        """Places of these, the inverse."""
-        (tx, ty), (depth, middle, _), (cx, cy) = self.tangent, self.size, self.part.centre
-        along, across = v * depth, u + v * middle
-        return cx + across * tx + along * ty, cy + across * ty - along * tx
-
-    def points(self, v: Array, u: Array) -> Array:
-        """Points (n, 3) [mm] of the web over these."""
-        depth, middle, _ = self.size
-        z = kernel.web_heights(v * depth, u + v * middle, self.packed)
-        found: Array = MM * np.stack([*self.place(v, u), z], axis=1)
-        return found
-
     @cached_property
     def breaks(self) -> tuple[float, ...]:
         """Shares of the way between which its arches are of one kind on one arc of the diagonals."""
-        _, _, half = self.size
-        reach = self.part.reach
-        bows = half_outline(self.part.diagonal, 0.0, self.part.diagonal.half_span, -np.inf)
-        found = {bow.at(bow.end)[0] / reach for bow in bows}
-
-        def steep(v: float) -> float:
-            return self.arch_rise(v) - v * half
-
-        def low(v: float) -> float:
-            return self.arch_rise(v) - 2 * kernel.FLAT * v * half
-
+        half, reach = self.size[2], self.part.reach
+        found = {bow.at(bow.end)[0] / reach for bow in self.bows}
         places = np.linspace(0, 1, LOOKS + 1)[1:]
-        for miss in (steep, low):
+        for limit in (1.0, 2 * kernel.FLAT):  # steep, and level
+
+            def miss(v: float, limit: float = limit) -> float:
+                return float(kernel.web_arch_rises(np.array([v]), self.packed)[0]) - limit * v * half
+
             values = np.array([miss(v) for v in places.tolist()])
             values[np.abs(values) < STRAIGHT] = 0.0
             for k in np.flatnonzero(values[:-1] * values[1:] < 0).tolist():
@@ -125,13 +110,12 @@ class WebFrame:
         return 0.0, *kept, 1.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WebSheet(Sheet):
-    """Half a web between two shares of the way to its wall: a spline through a grid of its points.
+    """Half a web between two shares of the way to its wall.
 
-    One parameter runs from 0 to 1 towards the wall, the other from the ridge to the rib, slower towards their ends,
-    where the surface may be upright. So that its normal looks up, the first of them is the one towards the wall on the
-    side where `sign` is 1.
+    One parameter is the angle of the diagonals from their crown down, the other runs from 0 at the ridge to 1 at the
+    rib. So that its normal looks up, the first of them is the one towards the wall on the side where `sign` is 1.
     """
 
     tolerance = 1e-2
@@ -141,38 +125,82 @@ class WebSheet(Sheet):
     low: float
     high: float
 
-    def points(self, uv: Array) -> Array:
-        """Points (n, 3) [mm] of the web at parameters (n, 2)."""
-        towards, across = (slowed(value) for value in (uv.T if self.sign > 0 else uv.T[::-1]))
-        v = self.low + (self.high - self.low) * towards
-        return self.frame.points(v, self.sign * v * across * self.frame.size[2])
+    @cached_property
+    def bow(self) -> Bow:
+        """The arc of the diagonals."""
+        middle = (self.low + self.high) / 2 * self.frame.part.reach
+        return next(bow for bow in self.frame.bows if bow.at(bow.end)[0] < middle)
 
     @cached_property
-    def _poles(self) -> tuple[Array, Array]:
-        """Poles (n, n, 3) [mm], towards the wall and towards the rib, and the knots of both."""
-        uv = np.stack(np.meshgrid(AT, AT, indexing="ij"), axis=-1).reshape(-1, 2)
-        grid = self.points(uv if self.sign > 0 else uv[:, ::-1]).reshape(NODES, NODES, 3)
-        knots, along = interpolated(AT, grid.reshape(NODES, -1))
-        turned = along.reshape(NODES, NODES, 3).transpose(1, 0, 2).reshape(NODES, -1)
-        _, both = interpolated(AT, np.ascontiguousarray(turned))
-        return both.reshape(NODES, NODES, 3).transpose(1, 0, 2), knots
+    def _steep(self) -> bool:
+        return bool(self.frame.ratios(np.array([(self.low + self.high) / 2]))[0] > 1)
+
+    def angles(self, v: Array) -> Array:
+        """Angles (n,) of the diagonals, less than 0, at shares of the way; what is within rounding of the end is it."""
+        cosine = (v * self.frame.part.reach - self.bow.u) / self.bow.a
+        found: Array = -np.arccos(np.where(cosine > 1 - ROUNDING, 1.0, np.maximum(cosine, -1.0)))
+        return found
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Angles between which its poles are laid."""
+        start, end = self.angles(np.array([self.low, self.high])).tolist()
+        found: Array = np.linspace(start, end, NODES)
+        return found
+
+    def _halves(self, angle: Array) -> tuple[Array, Array]:
+        """Poles (n, k, 3) [mm] and weights (n, k) of its half arches at angles of the diagonals."""
+        v = (self.bow.u + self.bow.a * np.cos(angle)) / self.frame.part.reach
+        v = np.where(np.abs(v) < ROUNDING, 0.0, v)
+        (tx, ty), (depth, middle, half), (cx, cy) = self.frame.tangent, self.frame.size, self.frame.part.centre
+        flat, weights = half_arches(self.frame.part.arch, self.frame.ratios(v), steep=self._steep)
+        across = v[:, None] * (middle + self.sign * half * flat[:, :, 0])
+        along = np.broadcast_to((v * depth)[:, None], across.shape)
+        z = (self.bow.z - self.bow.b * np.sin(angle))[:, None] + (v * half)[:, None] * flat[:, :, 1]
+        poles = np.stack([cx + across * tx + along * ty, cy + across * ty - along * tx, z], axis=2)
+        return MM * poles, weights
+
+    def arch(self, v: float) -> HalfArch:
+        """Half its arch at a share of the way."""
+        (poles,), (weights,) = self._halves(self.angles(np.array([v])))
+        return HalfArch(poles, weights)
+
+    @cached_property
+    def ridge(self) -> Spline:
+        """Its edge at the ridge."""
+        points = self._halves(self.nodes)[0][:, 0]
+        knots, poles = interpolated(self.nodes, points)
+        return Spline(knots, poles, self.nodes, points)
+
+    @cached_property
+    def rib(self) -> Conic:
+        """That on the rib."""
+        part = self.frame.part
+        corner = np.subtract(part.end if self.sign > 0 else part.start, part.centre)
+        size = float(np.hypot(*corner))
+        bow, wide = self.bow, size / part.reach
+        drawn_out = replace(bow, u=wide * bow.u, a=bow.a if abs(wide - 1) < ROUNDING else wide * bow.a)
+        return Conic.of(drawn_out, MM * np.array([*part.centre, 0.0]), np.array([*corner / size, 0.0]), UP)[0]
 
     @cached_property
     def geometry(self) -> Geom_Surface:
-        """B-spline surface."""
-        poles, knots = self._poles
-        if self.sign < 0:
-            poles = poles.transpose(1, 0, 2)
-        values, times = np.unique(knots, return_counts=True)
-        array = TColgp_Array2OfPnt(1, NODES, 1, NODES)
-        for i, row in enumerate(poles.tolist(), 1):
-            for j, pole in enumerate(row, 1):
-                array.SetValue(i, j, gp_Pnt(*pole))
-        at, counts = TColStd_Array1OfReal(1, len(values)), TColStd_Array1OfInteger(1, len(values))
-        for k, (value, count) in enumerate(zip(values.tolist(), times.tolist(), strict=True), 1):
-            at.SetValue(k, value)
-            counts.SetValue(k, count)
-        return Geom_BSplineSurface(array, at, at, counts, counts, DEGREE, DEGREE)
+        """Rational B-spline surface."""
+        poles, weights = self._halves(self.nodes)
+        count = weights.shape[1]
+        laid = np.concatenate([poles * weights[:, :, None], weights[:, :, None]], axis=2)
+        row, laid = interpolated(self.nodes, laid.reshape(NODES, -1))
+        laid = laid.reshape(NODES, count, 4)
+        size = (NODES, count) if self.sign > 0 else (count, NODES)
+        points, factors = TColgp_Array2OfPnt(1, size[0], 1, size[1]), TColStd_Array2OfReal(1, size[0], 1, size[1])
+        for i, column in enumerate(laid.tolist(), 1):
+            for j, (x, y, z, weight) in enumerate(column, 1):
+                at = (i, j) if self.sign > 0 else (j, i)
+                points.SetValue(*at, gp_Pnt(x / weight, y / weight, z / weight))
+                factors.SetValue(*at, weight)
+        (once, times), (share, turns) = _counted(row), arches.knots(count)
+        if self.sign > 0:
+            return Geom_BSplineSurface(points, factors, once, share, times, turns, DEGREE, arches.DEGREE)
+        return Geom_BSplineSurface(points, factors, share, once, turns, times, arches.DEGREE, DEGREE)
 
     def trace(self, path: Path, start: float, end: float) -> Geom2d_Curve:
         """A path that ends at the centre, where the parameter across means nothing, ends where it was before."""
@@ -180,23 +208,33 @@ class WebSheet(Sheet):
 
     def _steady(self, points: Array) -> Array:
         uv = self.parameters(points)
-        towards, across = (0, 1) if self.sign > 0 else (1, 0)
+        across = 1 if self.sign > 0 else 0
         if self.low == 0 and len(uv) > 1:
             for end, beside in ((0, 1), (-1, -2)):
-                if uv[end, towards] < AT_CENTRE:
+                if self.frame.shares(*(points[end, :2] / MM).tolist())[0] < AT_CENTRE:
                     uv[end, across] = uv[beside, across]
         return uv
 
     def parameters(self, points: Array) -> Array:
-        """From places in plan."""
+        """By their places in plan, and their heights above the diagonals."""
         (tx, ty), (depth, middle, half), (cx, cy) = self.frame.tangent, self.frame.size, self.frame.part.centre
         x, y = points[:, 0] / MM - cx, points[:, 1] / MM - cy
-        v = (x * ty - y * tx) / depth
-        u = self.sign * (x * tx + y * ty - v * middle)
-        share = np.clip((v - self.low) / (self.high - self.low), 0, 1)
-        across = np.clip(u / np.maximum(v * half, STRAIGHT), 0, 1)
-        found = [paced(share), paced(across)]
-        return np.stack(found if self.sign > 0 else found[::-1], axis=1)
+        v = np.clip((x * ty - y * tx) / depth, self.low, self.high)
+        angle, span = self.angles(v), np.maximum(v * half, STRAIGHT)
+        up = points[:, 2] / MM - self.bow.z + self.bow.b * np.sin(angle)
+        places = np.stack([self.sign * (x * tx + y * ty - v * middle), up], axis=1) / span[:, None]
+        share = arch_parameters(*half_arches(self.frame.part.arch, self.frame.ratios(v), steep=self._steep), places)
+        return np.stack([angle, share] if self.sign > 0 else [share, angle], axis=1)
+
+
+def _counted(row: Array) -> tuple[TColStd_Array1OfReal, TColStd_Array1OfInteger]:
+    """Knots of a spline, each once, and how often each counts."""
+    values, counts = np.unique(row, return_counts=True)
+    once, times = TColStd_Array1OfReal(1, len(values)), TColStd_Array1OfInteger(1, len(values))
+    for k, (value, count) in enumerate(zip(values.tolist(), counts.tolist(), strict=True), 1):
+        once.SetValue(k, value)
+        times.SetValue(k, count)
+    return once, times
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,36 +265,31 @@ class WebRoof(Roof):
         return (self.frame.part.centre, 1 if self.sign > 0 else 0) if self.low == 0 else None
 
     @cached_property
-    def sheet(self) -> Sheet:
-        """Spline."""
+    def web(self) -> WebSheet:
+        """Its surface, for what webs alone have."""
         return WebSheet(self.frame, self.sign, self.low, self.high)
 
-    def exact(self, way: Way, start: float, end: float, ends: tuple[Point, Point]) -> Step | None:
-        """Towards the wall and across as splines, at a pace that the parameters of the surfaces beside can follow.
+    @property
+    def sheet(self) -> Sheet:
+        """Spline."""
+        return self.web
 
-        From the end nearer to the centre or the ridge, slower towards the other. Arcs would run at a pace of theirs,
-        which near their springing no spline in the surface's parameters can follow.
-        """
+    def exact(self, way: Way, start: float, end: float, ends: tuple[Point, Point]) -> Step | None:
+        """Its arches, its ridge and its ribs."""
         if way.centre is not None:
             return None
         (v0, u0), (v1, u1) = (self.frame.shares(*way.at(t)) for t in (start, end))
         depth, _, half = self.frame.size
-        share = slowed(AT)
         if abs(v1 - v0) * depth < STRAIGHT:
-            near, far = sorted((abs(u0), abs(u1)))
-            v, u, forward = np.full(NODES, v0), near + (far - near) * share, abs(u1) > abs(u0)
-        else:
-            on_rib = max(abs(abs(u0) - v0 * half), abs(abs(u1) - v1 * half)) < STRAIGHT
-            if not on_rib and max(abs(u0), abs(u1)) > STRAIGHT:
-                return None
-            low, high = sorted((v0, v1))
-            v, forward = low + (high - low) * share, v1 > v0
-            u = v * half * on_rib
-        points = self.frame.points(v, self.sign * u)
-        points[[0, -1]] = ends if forward else ends[::-1]
-        knots, poles = interpolated(AT, points)
-        spline = Spline(knots, poles, AT, points)
-        return Step(spline, 0.0, 1.0) if forward else Step(spline, 1.0, 0.0)
+            across = 1 if self.sign > 0 else 0
+            first, last = self.web.parameters(np.array(ends))[:, across].tolist()
+            return Step(self.web.arch(v0), first, last)
+        if max(abs(abs(u0) - v0 * half), abs(abs(u1) - v1 * half)) < STRAIGHT:
+            return Step(self.web.rib, self.web.rib.parameter(ends[0]), self.web.rib.parameter(ends[1]))
+        if max(abs(u0), abs(u1)) < STRAIGHT:
+            first, last = self.web.angles(np.array([v0, v1])).tolist()
+            return Step(self.web.ridge, first, last)
+        return None
 
 
 @dataclass(frozen=True, eq=False)

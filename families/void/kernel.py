@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Piece, Turned, Web
 from families.declaration.plan import BOX, CENTRE_X, CENTRE_Y, NOTCH, OTHER, REACH, SHAPE, WITHIN, Plan
-from families.declaration.profiles import BasketHandle, Curve, Elliptical, Pointed, Segmental, Semicircular, Stilted
+from families.declaration.profiles import UNSTILTED, BasketHandle, Curve, Elliptical, Pointed
 
 Array = NDArray[np.float64]
 
@@ -43,13 +43,13 @@ ARCH, BOW, DEPTH, MIDDLE, HALF, FAR, CROWN, HAUNCH = (
 # BENT: a barrel that is not level or not even; ASIDE, RING: a ball or turned profile that is not about the origin.
 BARREL, BENT, BALL, TURNED, CEILING, LID, ASIDE, RING, WEB = range(9)
 ALONG, QUARTER, HEIGHT, ONE = range(4)  # NAMING: by the sign along the axis, the corner of the plan, the height, or one
-KINDS = (Semicircular, Segmental, Pointed, BasketHandle, Elliptical, Stilted)  # ARCH: the place in this row
-POINTED, BASKET, ELLIPTICAL, STILTED = range(2, 6)
+KINDS = UNSTILTED  # ARCH: the place in this row
+POINTED, BASKET, ELLIPTICAL = map(KINDS.index, (Pointed, BasketHandle, Elliptical))
 BELOW = 2  # which of a barrel's names is that of its walls; 0 if they have none of their own
 SAME = 1e-9  # [m] within which two walls are one
 FLAT = 1e-6  # rise / half span of an arch that is level
 STEP = 1e-5  # of differences on the way to a wall, as a share of it
-CENTRE = 1e-12  # share of the way to its wall below which a web is one point
+CENTRE = 1e-9  # share of the way to its wall below which a web is one point
 APEX = 1e-6  # share of its size at its origin that is left of a tapered barrel beyond its apex
 
 NO_WALLS = np.empty((0, 5))
@@ -223,10 +223,8 @@ def _arch(u: float, span: float, rise: float, kind: float, haunch: float) -> tup
     if not steep:
         radius = (span * span + rise * rise) / (2.0 * rise)
         return 0.0, rise - radius, radius
-    if kind == POINTED:
-        radius = (span * span + rise * rise) / (2.0 * span)
-        return span - radius, 0.0, radius
-    return 0.0, rise - span, span
+    radius = (span * span + rise * rise) / (2.0 * span)
+    return span - radius, 0.0, radius
 
 
 @inner
@@ -250,7 +248,7 @@ def _chord(v: float, parts: Array, k: int) -> tuple[float, float]:
 @inner
 def _section(along: float, across: float, z: float, parts: Array, k: int) -> tuple[float, float, float]:
     """Signed distance of a place in the plane across a web to its arch there, and its normal (across, up)."""
-    v = max(along / parts[k, DEPTH], APEX)
+    v = max(along / parts[k, DEPTH], CENTRE)
     low, rise = _chord(v, parts, k)
     span, u, h = v * parts[k, HALF], across - v * parts[k, MIDDLE], z - low
     sign = 1.0 if u >= 0.0 else -1.0
@@ -270,11 +268,9 @@ def _section(along: float, across: float, z: float, parts: Array, k: int) -> tup
             )
             beyond = (small[0] - large[0]) * (h - large[1]) - (small[1] - large[1]) * (u - large[0]) > 0.0
             cu, cz, r = large if beyond else small
-        if h > 0.0 and h < cz:  # a stilt
-            return u - span, sign, 0.0
         du, dz = u - cu, h - cz
         size = max(sqrt(du * du + dz * dz), 1e-300)
-        if cz + r * dz / size >= max(cz, 0.0):
+        if cz + r * dz / size >= 0.0:
             return size - r, sign * du / size, dz / size
     du, dz = foot_u - u, foot_h - h
     size = max(sqrt(du * du + dz * dz), 1e-300)
@@ -313,6 +309,8 @@ def _web(x: float, y: float, z: float, parts: Array, k: int) -> tuple[float, flo
     v = along / parts[k, DEPTH]
     if abs(across - v * parts[k, MIDDLE]) > v * parts[k, HALF] + SAME:
         return -inf, 0.0, 0.0, 1.0
+    if v < CENTRE:
+        return z - _chord(0.0, parts, k)[0], 0.0, 0.0, 1.0
     d, nu, nz = _section(along, across, z, parts, k)
     na = _lean(along, across - d * nu, z - d * nz, nu, nz, parts, k)
     size = sqrt(1.0 + na * na)
@@ -342,9 +340,12 @@ def web_heights(along: Array, across: Array, parts: Array) -> Array:
 
 
 @compiled
-def web_arch_rise(v: float, parts: Array) -> float:
-    """Rise [m] of the arch of the one web in a table at a share of the way to its wall."""
-    return _chord(v, parts, 0)[1]  # type: ignore[no-any-return]
+def web_arch_rises(v: Array, parts: Array) -> Array:
+    """Rises (n,) [m] of the arches of the one web in a table at shares (n,) of the way to its wall."""
+    out = np.empty(len(v))
+    for i in range(len(v)):
+        out[i] = _chord(v[i], parts, 0)[1]
+    return out
 
 
 @apart

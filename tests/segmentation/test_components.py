@@ -1,5 +1,7 @@
 """Components of one primitive: what a strip joins is one, what touches in a point or a line is two."""
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ SETTINGS = {"automatic": None, "preset": PRESETS["lunette-ideal"], "beta": Setti
 R, SMALL, SPRINGING, COUNT = 3.0, 1.4, 1.0, 3  # [m] radii of barrel and lunettes, their springing, and how many a side
 
 
+@lru_cache(maxsize=1)  # for each of the settings in turn
 def haunched(neck, points, noise=0.0, seed=1):
     """Barrel with lunettes that cut it above their springing alone: necks [m] between them hold crown and haunches
     together. About so many points, normals, labels.

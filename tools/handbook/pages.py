@@ -67,7 +67,7 @@ def family(cls: type[Vault]) -> str:
         table(
             ("parameter", "default", "range", "meaning"),
             (
-                *((f"`{name}`", kind, "any profile", "kind of arch") for name, kind in vault.kinds.items()),
+                *((f"`{name}`", kind, _kinds(cls, name), "kind of arch") for name, kind in vault.kinds.items()),
                 *(
                     (f"`{p.name}`", with_unit(values[p.name], p.range.unit), span(p.range), p.range.meaning)
                     for p in vault.parameters()
@@ -88,6 +88,11 @@ def family(cls: type[Vault]) -> str:
         table(("language", "names"), ((LANGUAGES[code], ", ".join(names)) for code, names in cls.aliases.items())),
     ]
     return "\n\n".join(filter(None, blocks))
+
+
+def _kinds(cls: type[Vault], arch: str) -> str:
+    kinds = cls.kinds_for(arch)
+    return "any profile" if kinds == PROFILES else ", ".join(kind.id for kind in kinds)
 
 
 def profiles() -> str:

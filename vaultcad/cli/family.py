@@ -8,7 +8,7 @@ from typing import Any
 
 from typer.core import TyperCommand, TyperGroup
 
-from families import FAMILIES, PROFILES, Vault, family, profile
+from families import FAMILIES, Vault, family, profile
 from families.declaration.lengths import with_lengths
 from families.declaration.parameters import Parameter, flat_name
 from vaultcad.cli.errors import InputError, refusing
@@ -43,9 +43,9 @@ def vault_options(cls: type[Vault]) -> list[Option]:
     options = []
     for name in (field.name for field in fields(cls)):
         if name in arches:
-            names = ", ".join(p.id for p in PROFILES)
+            names = ", ".join(p.id for p in cls.kinds_for(name))
             options.append(Option(name, str, f"one of {names}; default {arches[name].id}", "NAME", PANEL))
-            options += _profile_options(name)
+            options += _profile_options(cls, name)
         elif name in own:
             p = own[name]
             options.append(number(p.name, p.range, values[p.name], integer=p.integer, panel=PANEL))
@@ -66,7 +66,7 @@ def vault_of(cls: type[Vault], declared: Mapping[str, Any]) -> Vault:
     limits = {p.name: p.range for p in vault.parameters()}
     values = {p.name: declared[p.name] for p in vault.parameters() if p.path[1:] == () and p.name in declared}
     for field in vault.profiles:
-        for name, of in _profile_parameters(field).items():
+        for name, of in _profile_parameters(cls, field).items():
             if name in declared and name not in limits:
                 own, having = vault.kinds[field], ", ".join(of)
                 raise InputError(
@@ -86,18 +86,18 @@ def vault_of(cls: type[Vault], declared: Mapping[str, Any]) -> Vault:
     return vault
 
 
-def _profile_parameters(field: str) -> dict[str, dict[str, Parameter]]:
-    """Flat parameter name of a profile field -> profile id -> declaration, over all profiles."""
+def _profile_parameters(cls: type[Vault], field: str) -> dict[str, dict[str, Parameter]]:
+    """Flat parameter name of a profile field -> profile id -> declaration, over all profiles that it may have."""
     found: dict[str, dict[str, Parameter]] = {}
-    for cls in PROFILES:
-        for p in cls().parameters():
-            found.setdefault(flat_name(field, p.name), {})[cls.id] = p
+    for kind in cls.kinds_for(field):
+        for p in kind().parameters():
+            found.setdefault(flat_name(field, p.name), {})[kind.id] = p
     return found
 
 
-def _profile_options(field: str) -> list[Option]:
+def _profile_options(cls: type[Vault], field: str) -> list[Option]:
     options = []
-    for name, of in _profile_parameters(field).items():
+    for name, of in _profile_parameters(cls, field).items():
         ranges = ", ".join(f"{id_} {span(p.range)}" for id_, p in of.items())
         meaning = next(iter(of.values())).range.meaning
         # Read when the profile is known, which decides on the range.

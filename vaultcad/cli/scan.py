@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from families import Vault
 from vaultcad.cli.errors import refusing
 from vaultcad.cli.family import FamilyGroup, vault_of
-from vaultcad.cli.options import Bounds, Option, Seed, number, read
+from vaultcad.cli.options import Bounds, Option, Seed, number, read, single
 from vaultcad.cli.outputs import check_file
 from vaultcad.scanner.settings import ScannerSettings
 
 SUFFIXES = (".laz", ".las", ".e57", ".ply")
+BUILDING = "--building"
 PANEL = "Room and scanner"
 PLACE = Bounds(-1e8, 1e8, "m", "coordinate of the origin")
 OTHERS = (
@@ -42,8 +44,29 @@ def command() -> Any:
     default = ScannerSettings()
     values = default.values()
     numbers = [number(p.name, p.range, values[p.name], integer=p.integer, panel=PANEL) for p in default.parameters()]
-    help = "Scan a vault in a room virtually; the truth goes beside it."
-    return FamilyGroup("scan", help, scan, [*numbers, *OTHERS])
+    help = "Scan a vault in a room virtually, or a whole building; the truth goes beside it."
+    return ScanGroup("scan", help, scan, [*numbers, *OTHERS])
+
+
+class ScanGroup(FamilyGroup):
+    """Where a family would stand, `--building FILE` may."""
+
+    def __init__(self, name: str, help: str, run: Callable[..., Any], further: Sequence[Option]) -> None:
+        super().__init__(name, help, run, further)
+        self.add_command(TyperCommand(BUILDING, help="a whole building, of the file that declares it."))
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """As options of a command of that name, which is none of a family."""
+        whole = any(arg.split("=")[0] == BUILDING for arg in args)
+        return super().parse_args(ctx, ["--", BUILDING, *args] if whole else args)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command of a family, or that of buildings."""
+        name, *rest = args
+        if name == BUILDING:
+            told = single(scan_building, name, "Scan a whole building virtually; the truth goes beside it.")
+            return name, told, ["--help"] if "--help" in rest else rest
+        return super().resolve_command(ctx, args)
 
 
 def scan(
@@ -65,6 +88,25 @@ def scan(
         virtual = shoot(vault, settings, rng=np.random.default_rng(seed))
     truth = write_scan(virtual, out)
     typer.echo(f"{len(virtual):,} points of {vault.called}: {out}; its truth: {truth}")
+
+
+def scan_building(
+    building: Annotated[Path, typer.Option(help="File that declares the building: .toml.", metavar="FILE")],
+    out: Annotated[Path, typer.Option("--out", "-o", help=f"File to write: {', '.join(SUFFIXES)}.")],
+    seed: Seed = 0,
+) -> None:
+    """A virtual scan of a building, and its truth beside it."""
+    check_file(out, SUFFIXES, inputs=[building])
+
+    import numpy as np
+
+    from vaultcad.scanner import building as whole
+
+    declared = whole.read_building(building)
+    virtual = whole.scan_building(declared, rng=np.random.default_rng(seed))
+    truth = whole.write_building(virtual, out)
+    vaults, arches = (len(virtual.case[key]) for key in ("vaults", "arches"))
+    typer.echo(f"{len(virtual):,} points; vaults: {vaults}, arches: {arches}: {out}; their truth: {truth}")
 
 
 def settings_of(declared: Mapping[str, Any]) -> ScannerSettings:

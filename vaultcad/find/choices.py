@@ -25,7 +25,7 @@ from vaultcad.find.likelihood import FIT_STEPS, GAIN, Field
 from vaultcad.find.practice import log_prior
 from vaultcad.find.recognise import turned_over
 from vaultcad.find.refine import Refined, settled
-from vaultcad.fit.freedom import Demands
+from vaultcad.fit.freedom import RECTANGLE, Demands
 from vaultcad.fit.solve import POSE, Placed, Solution
 from vaultcad.model import Covariance, Rival
 
@@ -141,7 +141,10 @@ class _ChoiceSearch:
         """Fit those next to one."""
         for k, kind in product(range(len(one.kinds)), PROFILES):
             self._try(one.placed, (*one.kinds[:k], kind, *one.kinds[k + 1 :]), one.kept)
+        top = max(other.score for other in self.fitted.values())
         for constraint in self.demands.keepable(one.placed.vault):
+            if constraint is RECTANGLE and one.score < top:  # hardly hangs on the arches, and costs time
+                continue
             other, kept = turned_over(one.placed, one.kept, constraint)
             self._try(other, one.kinds, kept)
 
@@ -149,7 +152,8 @@ class _ChoiceSearch:
         """Fit a choice, if there is a vault of the family with these arches that comes near, and nobody forbids it."""
         key = (kinds, frozenset(c.name for c in kept))
         old = start.vault.profiles
-        new = {name: as_kind(kind, arch) for (name, arch), kind in zip(old.items(), kinds, strict=True)}
+        wanted = [one for one in zip(old.items(), kinds, strict=True) if one[1] in start.vault.kinds_for(one[0][0])]
+        new = {name: as_kind(kind, arch) for (name, arch), kind in wanted}
         arches = {name: arch for name, arch in new.items() if arch is not None}
         if key in self.fitted or len(arches) < len(old):
             return

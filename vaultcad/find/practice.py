@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 from families import BasketHandle, Elliptical, Pointed, Profile, Segmental, Semicircular, Stilted, Vault
 from families.declaration.constraints import Constraint
+from families.declaration.corners import Skew
 from vaultcad.fit.solve import POSE, Solution
 
 Array = NDArray[np.float64]
 
-KEPT = 0.8  # how often a constraint holds that seldom fails; of the others every second does
+KEPT = 0.8  # how often a constraint of a family holds that seldom fails; of the others every second does
 ALIKE_ARCHES = 2.0  # by so much likelier are arches of one kind where a family's are mostly alike
+ASKEW = dict.fromkeys(Skew().values(), (0.0, 0.015))  # mean and deviation of what makes a plan no rectangle
 KNOWN = {"x": 1.0, "y": 1.0, "z": 3.0, "yaw": 0.1}  # m, rad; standard deviation of the pose beforehand
 HELD = 1e12  # inverse variance of a part of the pose that a user fixed
 
@@ -67,7 +69,7 @@ def beforehand(solution: Solution) -> tuple[Array, Array]:
             continue
         parameter = parameters[name]
         place, own = parameter.path[0], parameter.path[-1]
-        usual = PRACTICE[type(arches[place])].usual[own] if place in arches else vault.usual.get(name)
+        usual = PRACTICE[type(arches[place])].usual[own] if place in arches else {**ASKEW, **vault.usual}.get(name)
         if usual is None:
             precision[k] = 12 / (parameter.range.high - parameter.range.low) ** 2
         else:

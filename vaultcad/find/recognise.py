@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from math import exp, inf, log
@@ -10,21 +10,22 @@ from math import exp, inf, log
 import numpy as np
 from numpy.typing import NDArray
 
-from families import FAMILIES, PROFILES, Vault
+from families import FAMILIES, Vault
 from families.declaration.constraints import Constraint
+from families.declaration.corners import Skew
 from families.declaration.profiles import as_kind
 from vaultcad.errors import NoVaultError
 from vaultcad.find.first_guesses import starts
 from vaultcad.find.identity import is_its_family
 from vaultcad.fit.evidence import INDEPENDENT, Evidence
-from vaultcad.fit.freedom import NONE, Demands, Freedom
+from vaultcad.fit.freedom import NONE, RECTANGLE, Demands, Freedom
 from vaultcad.fit.solve import Placed, Solution
 from vaultcad.survey.thinned_scan import Site
 
 Array = NDArray[np.float64]
 
 PAYS = 10.0  # by so much the score must fall for that
-TRIED = 3  # starts of a variant of a family along an axis
+TRIED = 3  # starts of a variant of a family along an axis, unless it is a supple one
 COARSE, MIDDLE, FINE = 0.15, 0.1, 0.05  # m, scales of the loss
 FLOOR = 2e-3  # m; below this no scanner tells two models apart
 CLOSE = 1e-3  # share of the cost that a step must still gain
@@ -68,7 +69,8 @@ def recognise(
         NoVaultError: none of the families comes near the points.
     """
     few, some = (Evidence.draw(site, count, rng, demands) for count in (1500, 3000))
-    rough = [placed for family in families for placed in _rough(family, site, few, some, demands)]
+    simple, supple = _begun(families, lambda family, tried: _rough(family, site, few, some, demands, tried), some)
+    rough = simple + supple
     if not rough:
         raise NoVaultError(
             "no vault found: nothing above the floor has the plan of a vault; scan a whole bay, or crop to it"
@@ -78,12 +80,12 @@ def recognise(
     hopeful = [placed for placed, cost in zip(rough, costs, strict=True) if cost <= HOPELESS * min(costs)]
     telling = Evidence.draw(site, 3000, rng, demands, about=hopeful)
     scale = _scale(rough[int(np.argmin(costs))], telling)
-    least = min(telling.cost(placed, scale) for placed in rough)
     judge = _Judge(telling, scale, demands)
-    fitted = [
-        judge.best_variant(placed) if telling.cost(placed, scale) <= HOPELESS * least else judge.of(placed)
-        for placed in rough
-    ]
+    least = min((telling.cost(placed, scale) for placed in simple), default=inf)
+    hopeless = [telling.cost(placed, scale) > HOPELESS * least for placed in simple]
+    fitted = [judge.within(placed, 0.0 if vain else inf) for placed, vain in zip(simple, hopeless, strict=True)]
+    nearest = min((h.cost for h in fitted), default=inf)
+    fitted += [judge.within(placed, nearest) for placed in supple]
     met = [h for h in fitted if h.score < inf]
     if not met:
         asked = ", ".join(
@@ -102,8 +104,21 @@ def confidence(hypotheses: Sequence[Hypothesis]) -> list[float]:
     return [(1 - MISSED) * value / sum(raw) + MISSED / len(raw) for value in raw]
 
 
-def _rough(family: type[Vault], site: Site, few: Evidence, some: Evidence, demands: Demands) -> list[Placed]:
-    """The best of a few starts, `TRIED` of each variant along each axis to choose, refined with a wide loss."""
+def _begun(
+    families: Iterable[type[Vault]], rough: Callable[[type[Vault], int], list[Placed]], evidence: Evidence
+) -> tuple[list[Placed], list[Placed]]:
+    """Where families begin; then supple ones, if they are nearer than all others: elsewhere they only cost time."""
+    families = tuple(families)
+    simple = [placed for family in families if not family.supple for placed in rough(family, TRIED)]
+    least = min((evidence.cost(placed, MIDDLE) for placed in simple), default=inf)
+    supple = [placed for family in families if family.supple for placed in rough(family, 1)]
+    return simple, [placed for placed in supple if evidence.cost(placed, MIDDLE) < least]
+
+
+def _rough(
+    family: type[Vault], site: Site, few: Evidence, some: Evidence, demands: Demands, tried: int
+) -> list[Placed]:
+    """The best of a few starts, `tried` of each variant along each axis to choose, refined with a wide loss."""
 
     def kind(placed: Placed) -> tuple[float, ...]:
         return placed.pose.yaw, *(getattr(placed.vault, name) for name in family.variants)
@@ -111,7 +126,7 @@ def _rough(family: type[Vault], site: Site, few: Evidence, some: Evidence, deman
     solved = []
     for _, alike in groupby(starts(family, site, demands), key=kind):
         grid = list(alike)
-        for k in np.argsort([few.cost(placed, COARSE) for placed in grid], kind="stable")[:TRIED]:
+        for k in np.argsort([few.cost(placed, COARSE) for placed in grid], kind="stable")[:tried]:
             free = demands.freedom(grid[k].vault, demands.begun_with(grid[k].vault))
             solved.append(some.solve(grid[k], free, (0.3, MIDDLE), most=8).placed)
     return [min(solved, key=lambda placed: some.cost(placed, MIDDLE))] if solved else []
@@ -147,11 +162,18 @@ class _Judge:
             score += FOREIGN
         return Hypothesis(solution, free, tuple(kept), cost, score)
 
-    def best_variant(self, placed: Placed) -> Hypothesis:
+    def within(self, placed: Placed, most: float) -> Hypothesis:
+        """The best variant of what costs less than that, else what it is."""
+        one = self.of(placed)
+        return self.best_variant(one) if one.cost < most else one
+
+    def best_variant(self, begun: Hypothesis) -> Hypothesis:
         """The fit with the most likely kind of profile in each place, and with the constraints that cost little."""
-        best = self.best_profiles(self.of(placed))
+        best = self.best_profiles(begun)
         before = best.kept
         for constraint in self.demands.keepable(best.vault):
+            if constraint is RECTANGLE:  # free corners are no family's own, and would cost each some time
+                continue
             trial = self.of(*turned_over(best.solution.placed, best.kept, constraint))
             price = PAYS if constraint.rare else 0.0
             if trial.score < best.score - price:
@@ -163,7 +185,7 @@ class _Judge:
         for name in best.vault.profiles:
             placed = best.solution.placed
             old = placed.vault.profiles[name]
-            for kind in PROFILES:
+            for kind in placed.vault.kinds_for(name):
                 new = None if type(old) is kind else as_kind(kind, old)
                 if new is None:
                     continue
@@ -178,9 +200,10 @@ def turned_over(
     placed: Placed, kept: Sequence[Constraint], constraint: Constraint
 ) -> tuple[Placed, tuple[Constraint, ...]]:
     """Where to start from without a constraint that is kept, or with one that is not; and what is then kept."""
-    vault = placed.vault
+    vault, fewer = placed.vault, tuple(c for c in kept if c != constraint)
+    if constraint is RECTANGLE:
+        skew, others = (Skew(), fewer) if constraint in kept else (None, (*kept, constraint))
+        return replace(placed, vault=replace(vault, skew=skew)), others
     if constraint in kept:
-        return replace(placed, vault=vault.replaced(constraint.let_go(vault))), tuple(
-            c for c in kept if c != constraint
-        )
+        return replace(placed, vault=vault.replaced(constraint.let_go(vault))), fewer
     return replace(placed, vault=vault.replaced(constraint.holds(vault))), (*kept, constraint)

@@ -20,6 +20,7 @@ from vaultcad.survey.thinned_scan import Site
 
 Array = NDArray[np.float64]
 FREEDOM_POINTS, FIT_POINTS = 5_000, 20_000  # to choose what is free, and to fit that
+FROM_AFAR = (0.3, 0.1)  # m, scales of the loss where corners begin at those of a rectangle
 LAST = 1e-9  # share of the cost that a step of the last fit must still gain
 TIGHTEST, WIDEST = 0.004, 0.05  # m, limits of the last loss
 FAINT = 1e-4  # of the cost
@@ -65,9 +66,9 @@ def refine(winner: Hypothesis, site: Site, rng: np.random.Generator, *, demands:
     if RECTANGLE.name in demands.freed and start.vault.four_corners:
         start = replace(start, vault=replace(start.vault, skew=Skew()))
     fit = _Fit(Evidence.draw(site, FREEDOM_POINTS, rng, demands, about=[start]), demands)
-    best = fit(start, winner.kept)
+    best = fit(start, winner.kept, wide=FROM_AFAR if start.vault.skew else ())
     for constraint in demands.keepable(start.vault):
-        trial = fit(*turned_over(best.placed, best.kept, constraint))
+        trial = fit(*turned_over(best.placed, best.kept, constraint), wide=FROM_AFAR if constraint is RECTANGLE else ())
         more, less = (best, trial) if constraint in best.kept else (trial, best)  # constrained
         saved = len(less.solution.names) - len(more.solution.names)
         if saved:
@@ -95,12 +96,18 @@ class _Fit:
     close: float = CLOSE
     most: int = 15
 
-    def __call__(self, start: Placed, kept: Sequence[Constraint], scatter: float = WIDEST) -> Refined:
-        """`scatter`: what is known of it [m]; a start that is good is not to be left for the sake of far points."""
+    def __call__(
+        self, start: Placed, kept: Sequence[Constraint], scatter: float = WIDEST, wide: tuple[float, ...] = ()
+    ) -> Refined:
+        """`scatter`: what is known of it [m]; a start that is good is not to be left for the sake of far points.
+
+        wide: scales of the loss with which to begin if it is not.
+        """
         free = self.demands.freedom(start.vault, kept)
-        for _ in range(4):
+        for k in range(4):
             scale = float(np.clip(4 * scatter, TIGHTEST, WIDEST))
-            solution = self.evidence.solve(start, free, (scale,), most=self.most, gain=self.close)
+            scales = (scale,) if k else (*wide, scale)
+            solution = self.evidence.solve(start, free, scales, most=self.most, gain=self.close)
             start, scatter = solution.placed, _scatter(solution, self.evidence.weights)
         loosest = self.demands.freedom(solution.placed.vault, [c for c in kept if c.rare])
         return Refined(solution, self.evidence, scatter, tuple(kept), loosest)

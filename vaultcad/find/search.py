@@ -21,7 +21,7 @@ from vaultcad.fit.label import label
 from vaultcad.processes import spread
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
-from vaultcad.survey.parting import part
+from vaultcad.survey.parting import Ceiling, parted
 from vaultcad.survey.thinned_scan import Site, Thin, find_site
 
 Array = NDArray[np.float64]
@@ -31,6 +31,7 @@ NARROW = 0.9  # m, span of a part of a scan that is rather an arch, or nothing
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
+SHARE = 0.25  # of what is bent in a scan of several ceilings that its vaults must explain
 FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
 
 
@@ -55,8 +56,8 @@ def find_vaults(
     Raises:
         NoVaultError: there is none.
     """
-    parting = part(thin, xyz)
-    if not parting.parted:
+    parting = parted(thin, xyz)
+    if not parting.is_parted:
         return Findings(_under_one_ceiling(thin, xyz, families, rng, demands))
     ceilings, soffits = parting.ceilings, parting.soffits
     hung = np.concatenate([ceiling.points for ceiling in ceilings]) if ceilings else np.empty((0, 3))
@@ -67,7 +68,7 @@ def find_vaults(
             if k >= len(ceilings):
                 return find_arch(soffits[k - len(ceilings)], thin, hung, rngs[k])
             mine = ceilings[k].part
-            return _under_one_ceiling(mine.thinned(thin), xyz[mine.holds(xyz)], families, rngs[k], demands)
+            return _under_one_ceiling(mine.thinned(thin), xyz[mine.holds(xyz)], families, rngs[k], demands, part=True)
         except NoVaultError as error:
             return error
 
@@ -89,7 +90,24 @@ def find_vaults(
         progress(f"{what}: {told}")
     if not vaults:
         raise refusals[0]
+    _check_share(vaults, ceilings)
     return Findings(tuple(vaults), tuple(arches))
+
+
+def _check_share(vaults: Sequence[Found], ceilings: Sequence[Ceiling]) -> None:
+    """Refuse vaults that explain little of what hangs in a scan and is not level.
+
+    Raises:
+        NoVaultError: they do.
+    """
+    bent = np.concatenate([ceiling.points[~ceiling.level] for ceiling in ceilings])
+    on = label(bent, [(one.placed, one.tolerance) for one in vaults]).vault > 0
+    if len(bent) and on.mean() < SHARE:
+        titles = ", ".join(dict.fromkeys(one.placed.vault.called for one in vaults))
+        raise NoVaultError(
+            f"no vault found: {titles} is near, but explains {on.mean():.0%} of what is bent over the rooms of the "
+            "scan; crop it to the vault"
+        )
 
 
 def _under_one_ceiling(
@@ -98,6 +116,8 @@ def _under_one_ceiling(
     families: Sequence[type[Vault]],
     rng: np.random.Generator,
     demands: Demands,
+    *,
+    part: bool = False,
 ) -> tuple[Found, ...]:
     """The vaults of a scan, or of a part of it, that hang together.
 
@@ -105,7 +125,7 @@ def _under_one_ceiling(
         NoVaultError: there is none.
     """
     search = _Search(thin, xyz, CeilingGrid.of(thin), tuple(families), rng, demands)
-    found = search.region(search.ceiling.room)
+    found = search.region(search.ceiling.room, part=part)
     if not found:
         raise search.refusals[0]
     return tuple(likeliest_of(one, demands, rng) for one in found)

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from itertools import chain
 from math import inf, isfinite, pi
 
-from families import PROFILES, Vault, profile
+from families import Vault, profile
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived_declarations
 from vaultcad.fit.freedom import RECTANGLE, SPRINGING, Demands, decides
@@ -84,7 +84,7 @@ def sizes_of(cls: type[Vault]) -> dict[str, Range]:
     vault = cls()
     vaults = [vault]
     for name in vault.profiles:
-        vaults += [vault.with_arches({name: kind()}) for kind in PROFILES]
+        vaults += [vault.with_arches({name: kind()}) for kind in vault.kinds_for(name)]
     derived = derived_declarations(cls)
     lengths = [*decides(cls), *cls.stands_for]
     found = {p.name: p.range for one in vaults for p in one.parameters()}

@@ -14,8 +14,8 @@ Tie = Callable[[Vault], Mapping[str, float]]
 
 SPRINGING = Constraint("springing", "the springing is no lower than the lowest stone that the scan shows")
 """A constraint that all families share, as it is about the pose."""
-RECTANGLE = Constraint("rectangle", "the plan is a rectangle; else its four corners are free")
-"""One that all families share, as it is about their plan."""
+RECTANGLE = Constraint("rectangle", "the plan is a rectangle; else its four corners are free", rare=True)
+"""One that all families share whose plan has four corners. It holds no parameter: without it there are more of them."""
 
 
 @dataclass(frozen=True)
@@ -44,13 +44,14 @@ class Demands:
 
     sizes: values of parameters and of derived lengths [m, rad or 1], by name. pose: of x, y, z [m] in the scan's local
     frame and of the yaw [rad]. freed: names of constraints that are not to be kept. arches: kinds, by the names of the
-    fields of a vault.
+    fields of a vault. rectangular: whether plans are rectangles whatever the scan says.
     """
 
     sizes: Mapping[str, float] = field(default_factory=dict)
     pose: Mapping[str, float] = field(default_factory=dict)
     freed: frozenset[str] = frozenset()
     arches: Mapping[str, type[Profile]] = field(default_factory=dict)
+    rectangular: bool = False
 
     @property
     def of_vault(self) -> bool:
@@ -82,13 +83,16 @@ class Demands:
     def suited(self, vault: Vault) -> Vault | None:
         """The vault, or the first with other profiles that has all sizes; None if none has."""
         own = vault.profiles
+        if any(kind not in vault.kinds_for(name) for name, kind in self.arches.items() if name in own):
+            return None
         fixed = {name: as_kind(kind, own[name]) or kind() for name, kind in self.arches.items() if name in own}
         vault = vault.with_arches(fixed)
         if self.suits(vault) and self.met(self.begun(vault)):
             return vault
         places = [name for name in own if name not in fixed]
-        others = (vault.with_arches({name: kind()}) for name in places for kind in PROFILES)
-        every = (vault.with_arches({name: kind() for name in places}) for kind in PROFILES)
+        others = (vault.with_arches({name: kind()}) for name in places for kind in vault.kinds_for(name))
+        common = (kind for kind in PROFILES if all(kind in vault.kinds_for(name) for name in places))
+        every = (vault.with_arches({name: kind() for name in places}) for kind in common)
         suiting = [other for other in (vault, *others, *every) if self.suits(other)]
         within = (other for other in suiting if self.met(self.begun(other)))  # not only its ratio, the size too
         return next(within, suiting[0] if suiting else None)
@@ -119,8 +123,9 @@ class Demands:
         return Freedom(names, values, tuple(ties), {"yaw": 0.0, **self.pose} if vault.plan.turns else self.pose)
 
     def keepable(self, vault: Vault) -> tuple[Constraint, ...]:
-        """The constraints of a vault that nobody has let go."""
-        return tuple(c for c in vault.constraints if c.name not in self.freed)
+        """The constraints of a vault that nobody has let go; not the rectangle where nobody may."""
+        plan = (RECTANGLE,) if vault.four_corners and not self.rectangular else ()
+        return tuple(c for c in (*plan, *vault.constraints) if c.name not in self.freed)
 
     def begun_with(self, vault: Vault) -> tuple[Constraint, ...]:
         """Those of them that a fit begins with: that seldom fail, and that the vault does not break."""

@@ -34,6 +34,7 @@ def draw(kind: type[Vault] | str, rng: np.random.Generator) -> tuple[Vault, Scan
 
 def _settings(vault: Vault, rng: np.random.Generator) -> ScannerSettings:
     stands_on_walls = vault.plan.on_wall_x or vault.plan.on_wall_y
+    four_sided = len(vault.plan.sides) == 4
     piers, far = rng.random() < 0.3, rng.random() < 0.35
     place = (rng.uniform(2e5, 8e5), rng.uniform(4e6, 6e6), rng.uniform(0, 900))
     return ScannerSettings(
@@ -44,7 +45,7 @@ def _settings(vault: Vault, rng: np.random.Generator) -> ScannerSettings:
         relief=rng.uniform(0, 0.003),
         settlement=rng.uniform(0.005, 0.05),
         holes=either(rng, 0.5, 0.0, 0.02, 0.15),
-        walls="piers" if piers and not stands_on_walls else "walls",
+        walls="piers" if piers and four_sided and not stands_on_walls else "walls",
         wall_height=rng.uniform(2.2, 4.5),
         openings=int(rng.integers(0, 6)),
         tie_rods=int(rng.integers(0, 4)),

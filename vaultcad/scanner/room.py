@@ -44,6 +44,15 @@ def vault_triangles(vault: Vault) -> Triangles:
     """The intrados with its components, meshed finely enough to be bent.
 
     Raises:
+        VaultcadError: as `vault_mesh` does.
+    """
+    return split(vault_mesh(vault), LONGEST_EDGE)
+
+
+def vault_mesh(vault: Vault) -> Triangles:
+    """The intrados with its components.
+
+    Raises:
         VaultcadError: the mesh of the B-Rep has a gap or leaves the numeric surface, so that labels would be wrong.
     """
     from families.solid.mesh import mesh
@@ -60,7 +69,7 @@ def vault_triangles(vault: Vault) -> Triangles:
         fault = "has a gap" if gap else f"leaves its numeric surface by {off:.4f} m"
         raise VaultcadError(f"the mesh of {vault} {fault}; change a size a little")
     bright = np.full(len(ideal.triangles), VAULT, np.float32)
-    return split(Triangles(ideal.vertices, ideal.triangles.astype(np.int64), ideal.component, bright), LONGEST_EDGE)
+    return Triangles(ideal.vertices, ideal.triangles.astype(np.int64), ideal.component, bright)
 
 
 def _rim(triangles: NDArray[np.integer]) -> NDArray[np.integer]:
@@ -87,6 +96,8 @@ def _on_piers(vault: Vault, settings: ScannerSettings, intrados: Triangles) -> l
     plan = vault.plan
     if plan.on_wall_x or plan.on_wall_y:
         raise ValueError(f"walls = 'piers': {vault.called} stands on its walls; take walls = 'walls'")
+    if len(plan.sides) != 4:
+        raise ValueError(f"walls = 'piers': {vault.called} has no four corners for them; take walls = 'walls'")
     floor = -settings.wall_height
     inner = np.array([plan.half_x, plan.half_y]) - ARCH_DROP
     outer = inner + ARCH_DROP + ARCH_DEPTH

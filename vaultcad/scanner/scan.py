@@ -65,22 +65,12 @@ def scan(vault: Vault, settings: ScannerSettings | None = None, *, rng: np.rando
     target = aim(replace(still, vertices=still.vertices + settlement(still.vertices)), surface)
 
     bounds = _bounds(vault, settings)
-    step = _step(target, stations, settings, bounds, pilot)
-    chunks, counts, reported = [], [], []
-    for k, station in enumerate(stations):
-        turn, shift = _registration(settings, measure) if k else (np.eye(3), np.zeros(3))
-        found = [
-            replace(shots, xyz=_placed((shots.xyz - station) @ turn.T + station + shift, settings))
-            for shots in sweep(target, station, step, settings, bounds, measure)
-        ]
-        chunks += found
-        counts.append(sum(len(shots.xyz) for shots in found))
-        reported.append(station + shift)
-    shots = _joined(chunks)
-    index = np.repeat(np.arange(len(counts), dtype=np.uint8), counts)
+    step = angular_step(target, stations, settings, bounds, pilot)
+    shots, index, reported = shot_from(target, stations, step, settings, bounds, measure)
+    shots = replace(shots, xyz=_placed(shots.xyz, settings))
     keep = ~_hidden(shots, _placed(ideal, settings), settings.holes, hide)
 
-    positions = _placed(np.array(reported), settings)
+    positions = _placed(reported, settings)
     case = truth.case(vault, settings, positions, step, int(keep.sum()))
     origin = np.array(settings.origin)
     return VirtualScan(
@@ -116,13 +106,40 @@ def _bounds(vault: Vault, settings: ScannerSettings) -> Array:
     return np.array([[*-reach, -settings.crop_margin], [*reach, np.inf]])
 
 
-def _step(target: Target, stations: Array, settings: ScannerSettings, bounds: Array, rng: np.random.Generator) -> float:
+def angular_step(
+    target: Target, stations: Array, settings: ScannerSettings, bounds: Array, rng: np.random.Generator
+) -> float:
     """Angular step [rad] that yields about the points wanted, from a coarse sweep: they grow as 1 / step²."""
     component = np.concatenate(
         [s.component for station in stations for s in sweep(target, station, PILOT, settings, bounds, rng)]
     )
     points = len(component) - settings.holes * np.count_nonzero(component)
     return PILOT * sqrt(points / settings.points)
+
+
+def shot_from(
+    target: Target,
+    stations: Array,
+    step: float,
+    settings: ScannerSettings,
+    bounds: Array,
+    rng: np.random.Generator,
+) -> tuple[Shots, NDArray[np.uint8], Array]:
+    """Points from all stations (k, 3), the station of each (n,), and where these are reported to stand (k, 3) [m].
+
+    The first is registered rightly, the others a little off.
+    """
+    chunks, counts, reported = [], [], []
+    for k, station in enumerate(stations):
+        turn, shift = _registration(settings, rng) if k else (np.eye(3), np.zeros(3))
+        found = [
+            replace(shots, xyz=(shots.xyz - station) @ turn.T + station + shift)
+            for shots in sweep(target, station, step, settings, bounds, rng)
+        ]
+        chunks += found
+        counts.append(sum(len(shots.xyz) for shots in found))
+        reported.append(station + shift)
+    return _joined(chunks), np.repeat(np.arange(len(counts), dtype=np.uint8), counts), np.array(reported)
 
 
 def _joined(shots: list[Shots]) -> Shots:

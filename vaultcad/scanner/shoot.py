@@ -45,6 +45,18 @@ def aim(mesh: Triangles, rng: np.random.Generator) -> Target:
     """Make a scene ready.
 
     Raises:
+        MissingLibraryError: as `caster_of` does.
+    """
+    caster = caster_of(mesh)
+    relief = draw_waves(count=16, shortest=0.12, longest=0.8, rng=rng)
+    stain = draw_waves(count=8, shortest=0.5, longest=3.0, rng=rng)
+    return Target(caster, mesh, relief, stain)
+
+
+def caster_of(mesh: Triangles) -> Any:
+    """An open3d.t.geometry.RaycastingScene of a mesh.
+
+    Raises:
         MissingLibraryError: open3d, or a system library under it, is missing; says how to install it.
     """
     try:
@@ -61,9 +73,7 @@ def aim(mesh: Triangles, rng: np.random.Generator) -> Target:
         o3d.core.Tensor.from_numpy(np.ascontiguousarray(mesh.vertices, np.float32)),
         o3d.core.Tensor.from_numpy(np.ascontiguousarray(mesh.triangles, np.uint32)),
     )
-    relief = draw_waves(count=16, shortest=0.12, longest=0.8, rng=rng)
-    stain = draw_waves(count=8, shortest=0.5, longest=3.0, rng=rng)
-    return Target(caster, mesh, relief, stain)
+    return caster
 
 
 def sweep(

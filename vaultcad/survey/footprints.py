@@ -1,8 +1,9 @@
 """Where footprints other than a rectangle may lie under a scan's ceiling, told by the way its normals face.
 
 What turns about an upright axis has normals whose horizontal parts all point to that; the webs over a polygon have
-them in as many directions as it has sides. Other scans show neither, so that the families over such footprints cost
-them nothing.
+them in as many directions as it has sides. Webs that are bent between ribs have them in all directions: there it is the
+walls that tell, or the heights round a middle, which go up and down as often as there are ribs. Other scans show none
+of this, so that the families over such footprints cost them nothing.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.footprint import DISC, HALF_DISC, POLYGON, SECTOR, Footprint
+from families.declaration.footprint import DISC, GORED, HALF_DISC, POLYGON, SECTOR, Footprint
 
 Array = NDArray[np.float64]
 
@@ -33,6 +34,10 @@ CLIMBS, BENT = 0.03, 0.15  # slope of a ramp at least; of what it climbs, how fa
 WEBS = 0.3  # how far the normals of a ceiling must keep to the directions of a polygon, 0 to 1
 FEWEST_SIDES = 0.85  # of the best number of sides, what a lesser number must reach to be taken
 ALIGNED, FEWEST = np.cos(0.2), 10  # with a side, normals of which there must be so many
+UPRIGHT, WALLED = 0.1, 0.6  # |nz| of a wall at the most; how far walls must keep to the directions of a polygon
+GORES = 0.3  # of what heights at one distance from the middle differ, the share that must be a wave of gores
+RINGS = np.linspace(0.25, 0.9, 25)  # between which heights are compared, of how far the ceiling goes
+FAR_OFF = 4.5  # medians of what heights differ by, above which they are clutter's
 
 
 @dataclass(frozen=True)
@@ -62,8 +67,10 @@ def grounds_of(points: Array, normals: Array, steep: float) -> Mapping[str, tupl
     xy, facing = points[telling, :2], normals[telling, :2] / slant[telling, None]
     found: dict[str, tuple[Ground, ...]] = {}
     upper = ceiling & (points[telling, 2] > np.median(points[telling[ceiling], 2]))
-    hung = points[np.abs(normals[:, 2]) > steep, :2]
-    for shape, ground in (*_turned(xy, facing, ceiling, hung), *_polygons(xy, facing, upper, hung)):
+    over = points[np.abs(normals[:, 2]) > steep]
+    hung = over[:, :2]
+    gored = _gored(xy, facing, ceiling, np.abs(normals[telling, 2]) < UPRIGHT, over[:: max(1, len(over) // LOOKED_AT)])
+    for shape, ground in (*_turned(xy, facing, ceiling, hung), *_polygons(xy, facing, upper, hung), *gored):
         found[shape] = (*found.get(shape, ()), ground)
     return found
 
@@ -172,14 +179,74 @@ def _gap(angle: Array) -> tuple[float, float]:
 
 
 def _polygons(xy: Array, facing: Array, upper: NDArray[np.bool_], hung: Array) -> Iterator[tuple[str, Ground]]:
-    """The polygon whose sides the normals of the upper half of a ceiling face; none of four, which is a rectangle."""
+    """The polygon whose sides the normals of the upper half of a ceiling face."""
     out = facing * np.sign((facing * (xy - (hung.min(axis=0) + hung.max(axis=0)) / 2)).sum(axis=1))[:, None]
-    angle = np.arctan2(out[upper, 1], out[upper, 0])
-    moments = np.array([np.exp(1j * n * angle).mean() for n in SIDES])
+    n, yaw, kept = _sides(out[upper])
+    if kept >= WEBS:
+        yield from _polygon(POLYGON, n, yaw, xy, out, hung)
+
+
+def _sides(out: Array) -> tuple[int, float, float]:
+    """How many directions (m, 2) there are, the turn of the first [rad], and how far all keep to them, 0 to 1."""
+    angle = np.arctan2(out[:, 1], out[:, 0])
+    moments = np.array([np.exp(1j * n * angle).sum() for n in SIDES]) / max(len(angle), 1)
     kept = np.abs(moments)
     k = int(np.argmax(kept >= FEWEST_SIDES * kept.max()))
-    n, yaw = int(SIDES[k]), float(np.angle(moments[k])) / int(SIDES[k])
-    if kept[k] < WEBS or n == 4:
+    return int(SIDES[k]), float(np.angle(moments[k])) / int(SIDES[k]), float(kept[k])
+
+
+def _gored(
+    xy: Array, facing: Array, ceiling: NDArray[np.bool_], walls: NDArray[np.bool_], over: Array
+) -> Iterator[tuple[str, Ground]]:
+    """The polygon from whose corners the ribs of an umbrella rise; `over` (m, 3): the ceiling, slanting or not."""
+    middle = np.quantile(over[:, :2], [0.005, 0.995], axis=0).mean(axis=0)
+    away = xy - middle
+    out = facing * np.sign((facing * away).sum(axis=1))[:, None]
+    sideways = (away[:, 0] * out[:, 1] - away[:, 1] * out[:, 0]) / np.maximum(np.linalg.norm(away, axis=1), 1e-9)
+    angle, aside = np.arctan2(away[ceiling, 1], away[ceiling, 0]), sideways[ceiling]
+
+    def parted(turn: Array) -> float:
+        """Normals turn away from the middle of a side; over a cloister vault they turn towards it."""
+        return float((np.sin(turn) * aside).sum())
+
+    def smooth(turn: Array) -> float:
+        """They turn the least where the ceiling is highest; over a cloister vault they leap there."""
+        return float(-(np.cos(turn) * np.abs(aside)).sum())
+
+    sides = _sides(out[walls] if walls.sum() > PAIRS else out[:0])
+    waves = _waves(over - [*middle, 0.0])
+    for (n, yaw, kept), least, told in ((sides, WALLED, parted), (waves, GORES, smooth)):
+        if kept >= least and n > 2 and told(n * (angle - yaw)) > 0:
+            yield from _polygon(GORED, n, yaw, xy, out, over[:, :2])
+            return
+
+
+def _waves(away: Array) -> tuple[int, float, float]:
+    """How often heights of places (m, 3) from a middle go up and down round that, and where they are highest [rad].
+
+    Third, what share of their differences that is.
+    """
+    reach, angle, height = np.hypot(away[:, 0], away[:, 1]), np.arctan2(away[:, 1], away[:, 0]), away[:, 2]
+    ring = np.digitize(reach, edges := RINGS * np.quantile(reach, 0.95))
+    seen = [k for k in range(1, len(RINGS)) if (ring == k).any()]
+    looked = (ring > 0) & (ring < len(RINGS))
+    usual = [np.median(height[ring == k]) for k in seen]
+    off = height[looked] - np.interp(reach[looked], [edges[k - 1 : k + 1].mean() for k in seen], usual)
+    most = FAR_OFF * np.median(np.abs(off))
+    off = np.clip(off, -most, most)
+    counts = (1, 2, *SIDES.tolist())
+    waves = [2 * np.mean(off * np.exp(1j * n * angle[looked])) for n in counts]
+    k = int(np.argmax(np.abs(waves)))
+    share = abs(waves[k]) ** 2 / 2 / max(float(np.mean(off**2)), 1e-12)
+    return counts[k], float(np.angle(waves[k])) / counts[k], share
+
+
+def _polygon(shape: str, n: int, yaw: float, xy: Array, out: Array, hung: Array) -> Iterator[tuple[str, Ground]]:
+    """The polygon of n sides, the first of which faces `yaw` [rad]; none of four, which is a rectangle.
+
+    xy, out: (m, 2) places and which way out of the room their stone faces. hung: (k, 2) places under the ceiling.
+    """
+    if n == 4:
         return
     ways = _ways(yaw, n)
     aligned = [xy[out @ way > ALIGNED] @ way for way in ways]
@@ -196,7 +263,7 @@ def _polygons(xy: Array, facing: Array, upper: NDArray[np.bool_], hung: Array) -
         first, second = float(np.median(reach[::2])), float(np.median(reach[1::2]))
         diagonal = max(first, second) / min(first, second)
         yaw += 2 * pi / n if second < first else 0.0
-    yield POLYGON, Ground(Footprint(2 * radius, 2 * radius, sides=n, diagonal=diagonal), float(x), float(y), yaw)
+    yield shape, Ground(Footprint(2 * radius, 2 * radius, sides=n, diagonal=diagonal), float(x), float(y), yaw)
 
 
 def _ways(yaw: float, count: int) -> Array:

@@ -23,20 +23,27 @@ Mask = NDArray[np.bool_]
 CELL = 0.1, 1.5  # m and spacings; edge of the plan's cells, at least
 TOUCH = 0.25  # m between two patches of one ceiling in plan at most
 CONTACT = 15  # pairs of cells, one of either patch, that touch: a few where only corners do
+LEVEL = 0.8  # m between two patches in height where they touch, of one ceiling before drums are looked for
 OVER = 0.3  # share of the lesser patch's plan from which on it hangs over or under another
 LEAST = 1.5  # m², of a ceiling
+LEVEL_NORMAL = np.cos(np.radians(10.0))  # |nz| of what is level, at least
 PIER = 0.5  # m beyond a soffit's ends where ceilings are still parted
 AROUND = 0.6  # m about a ceiling that belongs to it: its haunches and walls
 ABOVE = 0.3  # m above a ceiling that belongs to it
 FACE = 0.04  # m beyond its soffit in which an arch's faces lie
+REVEAL = 0.35  # m beyond its soffit's ends where the faces of its piers are
 INNER = 0.01  # m within its edges from which on all is an arch's
 
 
 @dataclass(frozen=True)
 class Ceiling:
-    """One ceiling. points: (n, 3) of its patches [m]. area: [m²], along the stone. part: whose points are its own."""
+    """One ceiling. area: [m²], along the stone. part: whose points are its own.
+
+    points: (n, 3) of its patches [m]. level: (n,) where it is level there.
+    """
 
     points: Array
+    level: Mask
     area: float
     part: Part
 
@@ -61,7 +68,7 @@ class Part:
         height = points[mine, 2]
         own = (height > self.bottom.ravel()[self.grid.numbers(points[mine])]) & (height < self.top)
         for arch in self.arches:
-            own &= ~arch.holds(points[mine], margin)
+            own &= ~arch.holds(points[mine], margin, REVEAL)
         found[mine] = own
         return found
 
@@ -81,12 +88,12 @@ class Parting:
     soffits: tuple[Soffit, ...]
 
     @property
-    def parted(self) -> bool:
+    def is_parted(self) -> bool:
         """Whether there is more than one room under one ceiling."""
         return len(self.ceilings) > 1 or bool(self.soffits)
 
 
-def part(thin: Thin, xyz: NDArray[np.floating]) -> Parting:
+def parted(thin: Thin, xyz: NDArray[np.floating]) -> Parting:
     """Part a scan, from its thinned points and all of them (n, 3) [m]."""
     patches = ceilings_of(thin)
     soffits, arches = soffits_of(patches, xyz)
@@ -98,13 +105,12 @@ def part(thin: Thin, xyz: NDArray[np.floating]) -> Parting:
     areas = np.bincount(number, hung.areas)
     chosen = [k for k in np.argsort(-areas, kind="stable").tolist() if areas[k] >= LEAST]
     parts = plan.parts([number == k for k in chosen], soffits)
-    return Parting(
-        tuple(
-            Ceiling(hung.points[(number == k)[hung.patch]], float(areas[k]), mine)
-            for k, mine in zip(chosen, parts, strict=True)
-        ),
-        soffits,
-    )
+    found = []
+    for k, mine in zip(chosen, parts, strict=True):
+        own = (number == k)[hung.patch]
+        level = np.abs(hung.normals[own, 2]) > LEVEL_NORMAL
+        found.append(Ceiling(hung.points[own], level, float(areas[k]), mine))
+    return Parting(tuple(found), soffits)
 
 
 @dataclass(frozen=True)
@@ -125,30 +131,39 @@ class _Plan:
 
     def ceilings(self, soffits: tuple[Soffit, ...]) -> Ints:
         """(count,) the ceiling of each patch; soffits part them, and so do the piers at their ends."""
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
+        a, b = self._touching(soffits)
+        level = np.abs(self.height[a] - self.height[b]) < LEVEL
+        number = np.arange(self.patches.count)
+        for near in (level, ~level):  # drums lift what is one with the ceiling about it, but storeys lie over others
+            number = self._linked(number, a[near], b[near])
+        return number
+
+    def _touching(self, soffits: tuple[Soffit, ...]) -> tuple[Ints, Ints]:
+        """Pairs of cells (n,), (n,) of two patches next to each other, or one over the other, and no soffit between."""
         from scipy.spatial import cKDTree
 
-        count = self.patches.count
         places = self.grid.places(self.column)
         a, b = cKDTree(places).query_pairs(TOUCH, output_type="ndarray").T
         other = self.patch[a] != self.patch[b]
         a, b = a[other], b[other]
-        middle = (places[a] + places[b]) / 2
-        for soffit in soffits:
-            free = ~soffit.holds(middle, along=PIER)
-            a, b, middle = a[free], b[free], middle[free]
-        pair = np.sort(np.column_stack([self.patch[a], self.patch[b]]), axis=1)
-        same_place = self.column[a] == self.column[b]
-        links, where = np.unique(pair[:, 0] * count + pair[:, 1], return_inverse=True)
-        touching, overlap = np.bincount(where, minlength=len(links)), np.bincount(where, same_place, len(links))
-        i, j = np.divmod(links, count)
-        columns = np.bincount(self.patch, minlength=count)
-        lesser = np.minimum(columns[i], columns[j])
-        beside = (overlap < OVER * lesser) & (touching >= np.minimum(CONTACT, lesser))
-        graph = coo_array((np.ones(beside.sum(), np.bool_), (i[beside], j[beside])), shape=(count, count))
-        _, number = connected_components(graph, directed=False)
-        return np.asarray(number, np.int64)
+        middle = np.column_stack([(places[a] + places[b]) / 2, np.minimum(self.height[a], self.height[b])])
+        free = ~np.any([soffit.holds(middle, along=PIER) & soffit.parts(middle) for soffit in soffits], axis=0)
+        free = np.broadcast_to(free, len(a))
+        return a[free], b[free]
+
+    def _linked(self, number: Ints, a: Ints, b: Ints) -> Ints:
+        """(count,) new numbers of groups that were numbered: of those that touch much, and do not lie over, one."""
+        group = number[self.patch]
+        pair = np.sort(np.column_stack([group[a], group[b]]), axis=1)
+        links, touching = np.unique(pair[pair[:, 0] != pair[:, 1]], axis=0, return_counts=True)
+        columns = {int(k): set(self.column[group == k].tolist()) for k in np.unique(links)}
+        for k in np.argsort(-touching, kind="stable"):
+            i, j = sorted((int(number[links[k, 0]]), int(number[links[k, 1]])))
+            lesser = min(len(columns[i]), len(columns[j]))
+            if i != j and touching[k] >= min(CONTACT, lesser) and len(columns[i] & columns[j]) < OVER * lesser:
+                columns[i] |= columns[j]
+                number = np.where(number == j, i, number)
+        return number
 
     def parts(self, ceilings: list[Mask], soffits: tuple[Soffit, ...]) -> list[Part]:
         """The part of each ceiling, told by masks (count,) of patches: where it is the nearest one of its storey."""
@@ -162,14 +177,15 @@ class _Plan:
             mine = owner[self.patch] == k
             np.fmax.at(top.reshape(-1), self.column[mine], self.height[mine])
         away = np.stack([distance_transform_edt(np.isnan(top)) * self.grid.cell for top in tops])
-        crowns = np.nanmax(tops, axis=(1, 2))
+        crowns, lows = np.nanmax(tops, axis=(1, 2)), np.nanmin(tops, axis=(1, 2))
         over = np.array([[_overlap(one, other) for other in tops] for one in tops])
         found = []
         for k, crown in enumerate(crowns):
             beside, below = ~over[k], over[k] & (crowns < crown)
             held = away[k] < np.minimum(AROUND, away[beside].min(axis=0, initial=np.inf) + self.grid.cell / 1e6)
             bottom = np.fmax.reduce(tops[below], axis=0, initial=np.nan) + ABOVE
-            found.append(Part(self.grid, held, np.nan_to_num(bottom, nan=-np.inf), float(crown) + ABOVE, soffits))
+            arches = tuple(soffit for soffit in soffits if soffit.parts(np.array([[*soffit.place, lows[k]]])).any())
+            found.append(Part(self.grid, held, np.nan_to_num(bottom, nan=-np.inf), float(crown) + ABOVE, arches))
         return found
 
 

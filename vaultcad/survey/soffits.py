@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,8 @@ ACROSS, OFF, STRAY = (
 WIDTH = 0.12, 1.6  # m, of a soffit
 SLENDER = 0.6  # width / length at most
 WITHIN = 0.015, 0.985  # quantiles between which a patch lies
+GAP, TURN, WIDER = 0.5, 0.15, 1.3  # m between two parts of one soffit; sine between them; how much wider both are
+UNDER, OVER = 0.5, 1.0  # m under its ends and over its crown where the vaults beside a soffit are
 BIN = 0.1  # m along the span, in which a soffit's height is taken
 BESIDE = 0.6  # m beyond the edges of a soffit where the ceilings beside it are looked for
 HIGHER, ALONG = 0.04, 0.3  # m that a ceiling is above the soffit beside it; share of its length along which it must be
@@ -59,24 +62,52 @@ class Soffit:
         found: Mask = (np.abs(u) < self.length / 2 + along) & (np.abs(v) < self.width / 2 + across)
         return found
 
+    def parts(self, points: Array) -> Mask:
+        """Which points (n, 3) [m] are as high as the vaults that it parts, and not of a storey above or below."""
+        found: Mask = (points[:, 2] > self.curve[:, 1].min() - UNDER) & (points[:, 2] < self.curve[:, 1].max() + OVER)
+        return found
+
     def height(self, along: Array) -> Array:
         """Of the soffit (n,) [m], that far along the span; of its ends beyond them."""
         return np.interp(along, self.curve[:, 0], self.curve[:, 1])
 
 
+Strips = dict[tuple[int, ...], Soffit]  # by the numbers of their patches
+
+
 def soffits_of(patches: Patches, xyz: NDArray[np.floating]) -> tuple[tuple[Soffit, ...], Mask]:
     """The soffits between vaults, and which patches they are (count,); `xyz` (n, 3) [m] tell their edges."""
-    strips = {k: strip for k in range(patches.count) if (strip := _strip(patches, k)) is not None}
-    rest = ~np.isin(patches.patch, list(strips))
-    found = {k: strip for k, strip in strips.items() if _is_between(strip, patches.points[rest])}
+    strips = _joined(patches, {(k,): strip for k in range(patches.count) if (strip := _strip(patches, (k,)))})
+    rest = ~np.isin(patches.patch, [k for parts in strips for k in parts])
+    found = {parts: strip for parts, strip in strips.items() if _is_between(strip, patches.points[rest])}
     chosen = np.zeros(patches.count, np.bool_)
-    chosen[list(found)] = True
+    chosen[[k for parts in found for k in parts]] = True
     return tuple(_edged(list(found.values()), xyz)), chosen
 
 
-def _strip(patches: Patches, k: int) -> Soffit | None:
-    """A patch as a strip, if its normals are at right angles to one level direction, along which it is narrow."""
-    mine = patches.patch == k
+def _joined(patches: Patches, strips: Strips) -> Strips:
+    """Strips that go on in line are one: a sharp crown parts the soffit of a pointed arch, a tie rod's shadow any."""
+    for (one, a), (two, b) in combinations(strips.items(), 2):
+        whole = _strip(patches, (*one, *two)) if _goes_on(a, b) and _goes_on(b, a) else None
+        if whole is not None and whole.width < WIDER * max(a.width, b.width):
+            rest = {parts: strip for parts, strip in strips.items() if parts not in (one, two)}
+            return _joined(patches, {**rest, (*one, *two): whole})
+    return strips
+
+
+def _goes_on(one: Soffit, other: Soffit) -> bool:
+    """Whether a strip lies in line with another and ends where that begins, in plan and in height."""
+    along, across = other.local(one.place[None])
+    gap = abs(along[0]) - (one.length + other.length) / 2
+    if abs(across[0]) > one.width / 3 or abs(gap) > GAP or abs(np.sin(one.yaw - other.yaw)) > TURN:
+        return False
+    ends = one.curve[[0, -1], 1], other.curve[[0, -1], 1]
+    return bool(np.abs(np.subtract.outer(*ends)).min() < GAP)
+
+
+def _strip(patches: Patches, parts: tuple[int, ...]) -> Soffit | None:
+    """Patches as one strip, if normals are at right angles to one level direction, along which it is narrow."""
+    mine = np.isin(patches.patch, parts)
     points, normals = patches.points[mine], patches.normals[mine]
     level = normals[:, :2]
     _, vectors = np.linalg.eigh(level.T @ level)
@@ -108,6 +139,7 @@ def _is_between(soffit: Soffit, ceiling: Array) -> bool:
     """Whether ceilings (n, 3) [m] go on on both sides of a soffit, higher than it, along much of it."""
     along, across = soffit.local(ceiling)
     near = (np.abs(along) < soffit.length / 2) & (np.abs(across) < soffit.width / 2 + BESIDE)
+    near &= ceiling[:, 2] > soffit.curve[:, 1].min() - UNDER
     along, across, height = along[near], across[near], ceiling[near, 2]
     higher = height - soffit.height(along)
     bins = np.floor(along / BIN).astype(np.int64)

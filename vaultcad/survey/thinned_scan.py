@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from families.declaration.footprint import RECTANGLE, Footprint
 from vaultcad.errors import NoVaultError
-from vaultcad.survey.ends import ends_over
+from vaultcad.survey.ends import RIM, OpenSide, ends_over, open_sides, splay_of, turn_of
 from vaultcad.survey.footprints import Ground, grounds_of, slopes_of
 
 if TYPE_CHECKING:
@@ -35,8 +35,6 @@ FLOOR_NORMAL = 0.9  # |nz| of a floor at the least
 UNDER = 0.2  # share of all points below the floor at the most
 PEAK = 5.0  # how far the most frequent direction of the walls must stand above the middling one
 SECOND = 0.5  # of the most frequent direction, how frequent that halfway between is over an octagon
-# m, depth and width of the strips where the end of the stone is looked for; points
-RIM, STRIP, STRIP_POINTS = 0.3, 0.1, 12
 BIN = 0.03  # m, of the histograms along the plan's axes
 
 
@@ -50,6 +48,7 @@ class Site:
     the points kept [m]. spacing: of the points [m].
     ends: (k, 3) where the stone ends in plan on the sides without a wall, put below all other points [m].
     counts: (n,) how many points of the scan each of the thinned ones stands for.
+    splay: (2,) by which share the stone is wider at the rectangle's east than in the middle, and at its north.
     """
 
     points: Array
@@ -64,6 +63,7 @@ class Site:
     spacing: float
     ends: Array
     counts: Array
+    splay: tuple[float, float] = (0.0, 0.0)
 
     @property
     def centre(self) -> Array:
@@ -82,8 +82,8 @@ class Site:
         """What a vault may stand over, by the shapes of footprints: the rectangle, and what normals tell of others."""
         (x, y), (a, b) = self.centre.tolist(), self.spans.tolist()
         slopes = slopes_of(turned(self.points[:, :2], self.yaw), self.points[:, 2], self.normals[:, 2], STEEP)
-        rectangle = Ground(Footprint(a, b, slope_x=slopes[0], slope_y=slopes[1]), x, y, self.yaw)
-        return {RECTANGLE: (rectangle,), **grounds_of(self.points, self.normals, STEEP)}
+        over = Footprint(a, b, slope_x=slopes[0], slope_y=slopes[1], splay_x=self.splay[0], splay_y=self.splay[1])
+        return {RECTANGLE: (Ground(over, x, y, self.yaw),), **grounds_of(self.points, self.normals, STEEP)}
 
 
 @dataclass(frozen=True)
@@ -159,9 +159,21 @@ def find_site(thin: Thin, xyz: NDArray[np.floating]) -> Site:
         NoVaultError: nothing stands above the floor.
     """
     thin = above_floor(thin)
+    yaw = yaw_of(thin.points, thin.normals)
+    site = _along(yaw, thin)
+    if site.walled.all():
+        return site
+    sides = _open_sides(xyz, site)
+    if turn := turn_of(sides):  # the walls of a splay are as many as its axis, and it lies between them
+        site = _along(yaw + turn, thin)
+        sides = _open_sides(xyz, site)
+    return _open(xyz, site, sides)
+
+
+def _along(yaw: float, thin: Thin) -> Site:
+    """A site with its rectangle turned by `yaw` [rad], its sides without walls where the points end."""
     points, normals = thin.points, thin.normals
     steep = np.abs(normals[:, 2]) < STEEP
-    yaw = yaw_of(points, normals)
     low, high, walled = rectangle(
         turned(points[:, :2], yaw), turned(normals[:, :2], yaw), np.abs(normals[:, 2]) < UPRIGHT, thin.spacing
     )
@@ -170,8 +182,7 @@ def find_site(thin: Thin, xyz: NDArray[np.floating]) -> Site:
     crown = float(np.quantile(top, 0.998)) if len(top) else float(points[:, 2].max())
     bottom = float(points[:, 2].min())
     none, counts = np.empty((0, 3)), thin.counts
-    site = Site(points, normals, weights, yaw, low, high, walled, bottom, crown, thin.spacing, none, counts)
-    return site if walled.all() else replace(site, ends=_ends(xyz, site))
+    return Site(points, normals, weights, yaw, low, high, walled, bottom, crown, thin.spacing, none, counts)
 
 
 def above_floor(thin: Thin) -> Thin:
@@ -290,32 +301,25 @@ def inside(xy: NDArray[np.floating], low: Array, high: Array) -> NDArray[np.bool
     return found
 
 
-def _ends(xyz: NDArray[np.floating], site: Site) -> Array:
-    """Where the stone ends on the sides without a wall: of each strip across an edge one point (k, 3) [m].
+def _open_sides(xyz: NDArray[np.floating], site: Site) -> list[OpenSide]:
+    """The sides of a site without a wall, by all points (n, 3) [m]."""
+    frame = np.concatenate([_near(xyz[k : k + CHUNK], site) for k in range(0, len(xyz), CHUNK)])
+    return open_sides(frame, turned(site.points[:, :2], site.yaw), site.low, site.high, site.walled)
 
-    The end of evenly spread points lies beyond the outermost by their mean distance, which the outermost few tell.
-    """
+
+def _open(xyz: NDArray[np.floating], site: Site, sides: list[OpenSide]) -> Site:
+    """The site with where the stone ends on its open sides: of each strip across an edge one point."""
     shape = next((shape for shape in site.grounds if shape != RECTANGLE), None)
-    if shape is not None:
+    if shape is None:
+        ends = turned(np.concatenate([side.ends for side in sides]), -site.yaw)
+    else:
         upright = site.points[np.abs(site.normals[:, 2]) < UPRIGHT]
         ends = ends_over(shape, site.grounds[shape][0], xyz, upright, site.spacing)
-        return np.column_stack([ends, np.full(len(ends), site.bottom - 1.0)])
-    found = []
-    frame = np.concatenate([_near(xyz[k : k + CHUNK], site) for k in range(0, len(xyz), CHUNK)])
-    for axis, side in zip(*np.nonzero(~site.walled), strict=True):
-        sign, edge = (-1.0, site.low[axis]) if side == 0 else (1.0, site.high[axis])
-        mine = frame[np.abs(frame[:, axis] - edge) < RIM]
-        depth, along = sign * (edge - mine[:, axis]), mine[:, 1 - axis]
-        strip = np.floor(along / STRIP).astype(np.int64)
-        order = np.lexsort((depth, strip))
-        _, first, count = np.unique(strip[order], return_index=True, return_counts=True)
-        for k in first[count >= STRIP_POINTS]:
-            outer = order[k : k + 4]
-            d = depth[outer]
-            xy = np.empty(2)
-            xy[1 - axis], xy[axis] = along[outer].mean(), edge - sign * (d[0] - (d[-1] - d[0]) / 3)
-            found.append([*turned(xy[None], -site.yaw)[0], site.bottom - 1.0])
-    return np.array(found).reshape(-1, 3)
+    low, high = site.low.copy(), site.high.copy()
+    for side in sides:
+        (low, high)[side.side][side.axis] = side.middle
+    ends = np.column_stack([ends, np.full(len(ends), site.bottom - 1.0)])
+    return replace(site, low=low, high=high, ends=ends, splay=splay_of(sides, high - low))
 
 
 def _near(xyz: NDArray[np.floating], site: Site) -> Array:

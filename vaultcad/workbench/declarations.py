@@ -68,10 +68,8 @@ def declared(cls: type[Vault]) -> dict[str, Any]:
 
 
 def _choice(vault: Vault, name: str, default: Profile) -> dict[str, Any]:
-    from families import PROFILES
-
     choices = {}
-    for kind in PROFILES:
+    for kind in vault.kinds_for(name):
         # The family's own default keeps its own numbers, as in a lunette vault of 0.45.
         one = default if kind is type(default) else kind()
         within = vault.with_arches({name: one})

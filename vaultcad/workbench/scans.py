@@ -54,7 +54,9 @@ def fit(request: Request) -> dict[str, Any]:
 
     name = request.text("family", "auto")
     families = tuple(FAMILIES) if name == "auto" else (named(name),)
-    settings = FitSettings(families, seed=int(request.number("seed", 0)), thickness=request.number("thickness", 0.15))
+    seed, thickness = int(request.number("seed", 0)), request.number("thickness", 0.15)
+    # An object has no properties for free corners.
+    settings = FitSettings(families, seed=seed, thickness=thickness, rectangular=True)
     stages = ("reading", *STAGES)
 
     def progress(stage: str) -> None:

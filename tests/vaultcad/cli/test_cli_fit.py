@@ -174,3 +174,26 @@ def test_a_scan_that_cannot_be_is_refused(run, tmp_path, untouched, arguments, s
     assert untouched()
     assert said in run("scan", "sail", *arguments, "-o", tmp_path / "a.laz").complaint
     assert untouched()
+
+
+def test_a_building_is_scanned_as_its_file_declares_it(run, tmp_path):
+    path, out = tmp_path / "two.toml", tmp_path / "two.laz"
+    path.write_text('[scanner]\npoints = 5000\n[[row]]\nfamily = "groin"\n', encoding="utf-8")
+    told = run("scan", "-o", out, "--building", path, "--seed", 3)
+    assert (told.code, told.err) == (0, "")
+    assert "vaults: 2, arches: 1" in told.out
+    truth = np.load(out.with_suffix(".truth.npz"))
+    assert len(read(out)) == len(truth["arch"]) == pytest.approx(5000, rel=0.15)
+    assert set(np.unique(truth["vault"])) == {0, 1, 2}
+
+
+def test_a_building_that_cannot_be_is_refused(run, tmp_path, untouched):
+    path = tmp_path / "two.toml"
+    path.write_text('[[row]]\nfamily = "groin"\nspan_x = 99\n', encoding="utf-8")
+    assert untouched()
+    told = run("scan", f"--building={path}", "-o", tmp_path / "a.laz").complaint
+    assert f"{path}: row 1: span_x = 99 lies outside [0.5, 40] m" in told
+    assert "none.toml: No such file" in run("scan", "--building", "none.toml", "-o", tmp_path / "a.laz").complaint
+    assert "--building" in run("scan", "--help").out
+    assert "--seed" in run("scan", "--building", path, "--help").out
+    assert untouched()

@@ -9,9 +9,14 @@ from families import Barrel, Groin, Sail
 from segmentation.cloud import AXES, Cloud, Up, stood_up, turn, turn_back
 from vaultcad.errors import NoVaultError
 from vaultcad.find.upright import stand_up
-from vaultcad.scanner import ScannerSettings, scan
+from vaultcad.scanner import ScannerSettings, VirtualScan, scan
 
 FAMILIES = (Sail, Barrel, Groin)
+
+
+@pytest.fixture(scope="module")
+def virtual() -> VirtualScan:
+    return scan(Groin(4, 5), ScannerSettings(points=40_000), rng=np.random.default_rng(1))
 
 
 @pytest.mark.parametrize("up", AXES)
@@ -25,8 +30,7 @@ def test_turning_back_undoes_a_turn_and_mirrors_nothing(up: Up) -> None:
 
 
 @pytest.mark.parametrize("up", ["z", "y", "-x"])
-def test_the_vault_tells_which_way_is_up(up: Up) -> None:
-    virtual = scan(Groin(4, 5), ScannerSettings(points=40_000), rng=np.random.default_rng(1))
+def test_the_vault_tells_which_way_is_up(up: Up, virtual: VirtualScan) -> None:
     in_file = Cloud(turn_back(virtual.xyz, up).astype(np.float32), origin=np.array([1.0, 2.0, 3.0]))
     stood = stand_up(in_file, np.random.default_rng(0), families=FAMILIES)
     assert stood.up == up

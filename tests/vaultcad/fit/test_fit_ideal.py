@@ -17,11 +17,13 @@ from families import (
     Lunette,
     Mirror,
     Pointed,
+    Rib,
     Rotunda,
     Sail,
     Segmental,
     Semicircular,
     Trough,
+    Umbrella,
     Vault,
 )
 from segmentation import compare
@@ -47,6 +49,8 @@ IDEALS = (
     Cloister(8, 2.7, Segmental(0.4), 0.3, crossing=1),
     Cloister(8, 2.7, Semicircular(), 0.4, crossing=2),
     Barrel(4.8, 7.3, Pointed(0.7), slope=0.3),
+    Rib(4.6, 5.4, Pointed(0.75), Pointed(0.62), Semicircular()),
+    Umbrella(8, 2.7, Segmental(0.3), Semicircular()),
 )
 
 
@@ -56,6 +60,8 @@ def same_again(truth: Vault) -> float:
         return 0.0
     if isinstance(truth, Cloister):
         return pi / 2 if truth.crossing else 2 * pi / truth.sides
+    if isinstance(truth, Umbrella):
+        return 2 * pi / truth.sides
     return 2 * pi
 
 

@@ -12,7 +12,8 @@ from families import Annular, Barrel, Cloister, Conch, Dome, Groin, Pointed, Rot
 from families.declaration.footprint import DISC, HALF_DISC, POLYGON, RECTANGLE, SECTOR
 from segmentation import compare
 from segmentation.cloud import Cloud
-from vaultcad.pipeline import fit_scan
+from vaultcad.model import Pose
+from vaultcad.pipeline import FitSettings, fit_scan
 from vaultcad.scanner import ScannerSettings, VirtualScan, scan
 from vaultcad.survey.thinned_scan import Site, survey
 
@@ -93,3 +94,11 @@ def test_haunches_alone_do_not_lean(vault: Vault) -> None:
     result = fit_scan(Cloud(vault.sample(100_000, np.random.default_rng(3)).xyz.astype(np.float32)))
     assert not result.model.notes
     assert type(result.model.vaults[0].vault) is type(vault)
+
+
+@pytest.mark.parametrize(("length", "splay"), [(7.0, 0.15), (2.5, 0.3)])
+def test_a_splay_without_walls_is_found_as_long_and_as_wide_as_it_is(length: float, splay: float) -> None:
+    barrel, turn = Barrel(4.0, length, Segmental(0.4), splay=splay), Pose(0.7, -0.2, 3.0, YAW).placement()
+    xyz = barrel.sample(150_000, np.random.default_rng(3)).xyz @ turn[:3, :3].T + turn[:3, 3]
+    (fitted,) = fit_scan(Cloud(xyz.astype(np.float32)), FitSettings((Barrel, Trough))).model.vaults
+    assert fitted.vault.values() == pytest.approx(barrel.values(), abs=0.005)
