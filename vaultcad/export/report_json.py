@@ -16,10 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.units import unit_of
-from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedVault, Model, Rival
+from vaultcad.measure.arcs import arcs_of, springing_of
+from vaultcad.measure.building import Building, building_of, letters
+from vaultcad.measure.setting_out import RULES, setting_out
+from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedArch, FittedVault, Model, Rival
 
 SCHEMA = 1
 DECIMALS = 6  # of metres and of shares: a micrometre, well below what any scan can tell
+SLIGHT = 0.001  # chance of a rule below which it goes without saying
 SHOWN_AS = {"rad": ("deg", degrees)}  # units that people do not read, and what is written in their place
 
 
@@ -28,6 +32,7 @@ def report(model: Model, *, correlations: bool = False) -> dict[str, Any]:
 
     With `correlations` each vault has those of pose and fitted parameters.
     """
+    building = building_of(model)
     return {
         "schema": SCHEMA,
         "scan": {
@@ -42,7 +47,19 @@ def report(model: Model, *, correlations: bool = False) -> dict[str, Any]:
         "versions": dict(sorted(model.versions.items())),
         "thickness": _number(model.thickness),
         "notes": [note._asdict() for note in model.notes],
-        "vaults": [_vault(fitted, model) | (_correlations(fitted) if correlations else {}) for fitted in model.vaults],
+        "vaults": [
+            _vault(fitted, model) | _bay(building, k) | (_correlations(fitted) if correlations else {})
+            for k, fitted in enumerate(model.vaults, 1)
+        ],
+        "arches": [arch(one, k, model) for k, one in enumerate(model.arches, 1)],
+        "building": {
+            "rows": {letters(k): list(row) for k, row in enumerate(building.rows)},
+            "rooms": [list(room) for room in building.rooms],
+            "storeys": [
+                {"floor": _number(floor + float(model.origin[2])), "vaults": list(storey)}
+                for floor, storey in zip(building.floors, building.storeys, strict=True)
+            ],
+        },
     }
 
 
@@ -78,25 +95,78 @@ def plain(value: Any) -> Any:
             return str(value)
 
 
+def _bay(building: Building, vault: int) -> dict[str, Any]:
+    """Where a vault stands among the others."""
+    row, place = building.bay(vault)
+    return {"bay": {"row": row, "number": place, "room": building.room(vault), "storey": building.storey(vault)}}
+
+
+def arch(one: FittedArch, number: int, model: Model) -> dict[str, Any]:
+    """An arch; heights and places in the coordinates of the pose [m], depth and neighbours south and north of it."""
+    up = float(model.origin[2])
+    south, north = one.depth
+    rules = {rule.name: rule.says for rule in RULES}
+    return {
+        "id": number,
+        "family": one.kind,
+        "between": [beside or None for beside in one.beside],
+        "profile": one.vault.kinds["profile"],
+        "profile_odds": _odds(one.odds.get("profile", {})),
+        "span": _estimate(one.parameters["span"]),
+        "rise": _estimate(one.parameters["rise"]),
+        "springing": _raised(springing_of(one), up),
+        "width": _estimate(one.parameters["length"]),
+        "thickness": _number(model.thickness_of(one)),
+        "depth": {"south": _number(south), "north": _number(north)},
+        "arcs": [
+            {"radius": _estimate(arc.radius), "across": _estimate(arc.across), "height": _raised(arc.height, up)}
+            for arc in arcs_of(one)
+        ],
+        "setting_out": [
+            {"rule": name, "chance": _number(chance), "says": rules.get(name, "")}
+            for name, chance in setting_out(one).items()
+            if chance >= SLIGHT
+        ],
+        "pose": _pose(one, model.origin),
+        "points": sum(c.points for c in one.components),
+        "confidence": _number(one.confidence),
+        "converged": one.converged,
+        "deviation": _deviation(one.deviation),
+        "coverage": _number(one.coverage),
+        "tolerance": _number(round(one.tolerance, 4)),
+    }
+
+
+def _raised(estimate: Estimate, by: float) -> dict[str, Any]:
+    return _estimate(dataclasses.replace(estimate, value=estimate.value + by))
+
+
+def _pose(fitted: FittedVault, origin: NDArray[np.float64]) -> dict[str, Any]:
+    pose = fitted.pose
+    return {
+        "origin": _row((pose.x + origin[0], pose.y + origin[1], pose.z + origin[2])),
+        "yaw_deg": _number(degrees(pose.yaw)),
+        "tilt_deg": _number(degrees(pose.tilt)),
+        "lean_deg": [_number(degrees(part)) for part in pose.lean],  # rotation vector about x and y
+        **_pose_std(fitted.covariance),
+    }
+
+
+def _odds(odds: Mapping[str, float]) -> dict[str, float | None]:
+    return {kind: _number(chance) for kind, chance in odds.items()}
+
+
 def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
-    pose, origin = fitted.pose, model.origin
+    origin = model.origin
     return {
         "family": fitted.vault.id,
         "confidence": _number(fitted.confidence),
         "alternatives": [{"family": name, "score": _number(score)} for name, score in fitted.alternatives],
         "converged": fitted.converged,
-        "pose": {
-            "origin": _row((pose.x + origin[0], pose.y + origin[1], pose.z + origin[2])),
-            "yaw_deg": _number(degrees(pose.yaw)),
-            "tilt_deg": _number(degrees(pose.tilt)),
-            "lean_deg": [_number(degrees(part)) for part in pose.lean],  # rotation vector about x and y
-            **_pose_std(fitted.covariance),
-        },
+        "pose": _pose(fitted, origin),
         "corners": _corners(fitted, origin),
         "profiles": fitted.vault.kinds,
-        "profile_odds": {
-            name: {kind: _number(chance) for kind, chance in odds.items()} for name, odds in fitted.odds.items()
-        },
+        "profile_odds": {name: _odds(odds) for name, odds in fitted.odds.items()},
         "rivals": [_rival(rival, fitted, origin) for rival in fitted.rivals],
         "parameters": {name: _estimate(value) for name, value in fitted.parameters.items()},
         "components": [_component(c) for c in fitted.components],
