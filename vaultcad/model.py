@@ -245,6 +245,30 @@ class FittedArch(FittedVault):
     beside: tuple[int, int] = (0, 0)
 
 
+@dataclass(frozen=True)
+class FittedPier:
+    """A pier or column that stands free, upright from the floor to where arches or vaults spring from it.
+
+    plan: "round" or "rectangular". pose: the middle of its foot, x along its width. parameters: `diameter` of a round
+    one, `width` and `depth` along x and y of a rectangular one, and `height` [m], all of its shaft. points: of the scan
+    on it. deviation: of those from its sides. covariance: of x, y, z, yaw and the parameters.
+    """
+
+    plan: str
+    pose: Pose
+    parameters: Mapping[str, Estimate]
+    points: int
+    deviation: Deviation
+    covariance: Covariance
+
+    @property
+    def size(self) -> tuple[float, float, float]:
+        """Along x, along y, and its height [m]."""
+        names = ("diameter", "diameter") if self.plan == "round" else ("width", "depth")
+        width, depth, height = (self.parameters[name].value for name in (*names, "height"))
+        return width, depth, height
+
+
 @dataclass(frozen=True, kw_only=True)
 class Assembly:
     """Vaults in one place, as exporters take them: drawn, or of a `Model`, which has the scan that they are of.
@@ -283,6 +307,8 @@ class Model(Assembly):
 
     vaults: tuple[FittedVault, ...]
     arches: tuple[FittedArch, ...] = ()
+    piers: tuple[FittedPier, ...] = ()
+    ceiling: Mapping[str, float] = field(default_factory=dict)  # m² over rooms: `area`, and what of it is what
     points: int
     bounds: NDArray[np.float64]  # (2, 3) in the scan's own coordinates
     settings: Mapping[str, Any] = field(default_factory=dict)
