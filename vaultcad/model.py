@@ -249,9 +249,10 @@ class FittedArch(FittedVault):
 class FittedPier:
     """A pier or column that stands free, upright from the floor to where arches or vaults spring from it.
 
-    plan: "round" or "rectangular". pose: the middle of its foot, x along its width. parameters: `diameter` of a round
-    one, `width` and `depth` along x and y of a rectangular one, and `height` [m], all of its shaft. points: of the scan
-    on it. deviation: of those from its sides. covariance: of x, y, z, yaw and the parameters.
+    plan: "round", "rectangular", or "compound" if it steps back within its rectangle. pose: the middle of its foot, x
+    along its width. parameters: `diameter` of a round one, `width` and `depth` along x and y of any other, both of its
+    shaft, and `height` to the springing, base and capital included [m]. points: of the scan on its shaft. deviation: of
+    those from its sides. covariance: of x, y, z, yaw and the parameters.
     """
 
     plan: str

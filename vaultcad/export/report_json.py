@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.units import unit_of
-from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedVault, Model, Rival
+from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedPier, FittedVault, Model, Pose, Rival
 
 SCHEMA = 1
 DECIMALS = 6  # of metres and of shares: a micrometre, well below what any scan can tell
@@ -43,6 +43,7 @@ def report(model: Model, *, correlations: bool = False) -> dict[str, Any]:
         "thickness": _number(model.thickness),
         "notes": [note._asdict() for note in model.notes],
         "vaults": [_vault(fitted, model) | (_correlations(fitted) if correlations else {}) for fitted in model.vaults],
+        "piers": [_pier(pier, model.origin) for pier in model.piers],
     }
 
 
@@ -79,19 +80,13 @@ def plain(value: Any) -> Any:
 
 
 def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
-    pose, origin = fitted.pose, model.origin
+    origin = model.origin
     return {
         "family": fitted.vault.id,
         "confidence": _number(fitted.confidence),
         "alternatives": [{"family": name, "score": _number(score)} for name, score in fitted.alternatives],
         "converged": fitted.converged,
-        "pose": {
-            "origin": _row((pose.x + origin[0], pose.y + origin[1], pose.z + origin[2])),
-            "yaw_deg": _number(degrees(pose.yaw)),
-            "tilt_deg": _number(degrees(pose.tilt)),
-            "lean_deg": [_number(degrees(part)) for part in pose.lean],  # rotation vector about x and y
-            **_pose_std(fitted.covariance),
-        },
+        "pose": _pose(fitted.pose, fitted.covariance, origin),
         "corners": _corners(fitted, origin),
         "profiles": fitted.vault.kinds,
         "profile_odds": {
@@ -104,6 +99,26 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "as_built": None if fitted.as_built is None else {"deviation": _deviation(fitted.as_built)},
         "coverage": _number(fitted.coverage),
         "tolerance": _number(round(fitted.tolerance, 4)),
+    }
+
+
+def _pier(pier: FittedPier, origin: NDArray[np.float64]) -> dict[str, Any]:
+    return {
+        "plan": pier.plan,
+        "pose": _pose(pier.pose, pier.covariance, origin),
+        "parameters": {name: _estimate(value) for name, value in pier.parameters.items()},
+        "points": int(pier.points),
+        "deviation": _deviation(pier.deviation),
+    }
+
+
+def _pose(pose: Pose, covariance: Covariance | None, origin: NDArray[np.float64]) -> dict[str, Any]:
+    return {
+        "origin": _row((pose.x + origin[0], pose.y + origin[1], pose.z + origin[2])),
+        "yaw_deg": _number(degrees(pose.yaw)),
+        "tilt_deg": _number(degrees(pose.tilt)),
+        "lean_deg": [_number(degrees(part)) for part in pose.lean],  # rotation vector about x and y
+        **_pose_std(covariance),
     }
 
 
