@@ -15,6 +15,8 @@ def show_summary(model: Model, out: Path) -> None:
     """The vaults of a model, and the files of its folder, on standard output."""
     for fitted in model.vaults:
         show_table(("", ""), _rows(fitted, float(model.origin[2])))
+    if told := _ceiling(model.ceiling):
+        typer.echo(told)
     typer.echo(f"{out}: {', '.join(sorted(path.name for path in out.iterdir() if not path.name.startswith('.')))}")
 
 
@@ -47,6 +49,12 @@ def _rows(fitted: FittedVault, up: float) -> Iterator[tuple[str, str]]:
     )
     if not fitted.converged:
         yield "note", "the fit did not settle; look at the report before you use it"
+
+
+def _ceiling(ceiling: Mapping[str, float]) -> str:
+    """What hangs over rooms is what; nothing where it was not looked at."""
+    parts = [f"{area:.1f} m² {name}" for name, area in ceiling.items() if name != "area" and area > 0]
+    return f"ceiling {ceiling['area']:.1f} m²: {', '.join(parts)}" if parts else ""
 
 
 def _odds(odds: Mapping[str, float]) -> str:

@@ -43,6 +43,7 @@ def report(model: Model, *, correlations: bool = False) -> dict[str, Any]:
         "thickness": _number(model.thickness),
         "notes": [note._asdict() for note in model.notes],
         "vaults": [_vault(fitted, model) | (_correlations(fitted) if correlations else {}) for fitted in model.vaults],
+        "ceiling": {name: _number(area) for name, area in model.ceiling.items()},  # m²
         "piers": [_pier(pier, model.origin) for pier in model.piers],
     }
 

@@ -23,7 +23,7 @@ LEVEL, FLOOR = 0.05, 0.3  # m, height of a layer of points that are a floor, and
 BODY, UPPER = (0.15, 0.85), 0.5  # shares of a pier's height between which it is neither base nor capital; no furniture
 CELL = 0.1, 2.0  # m and spacings, edge of the plan's cells, at least
 BIN, TALL = 0.2, 0.5  # m of height; share of such bins of the upper body in which stone stands over a cell
-REACHED = 0.95, 0.75  # quantile of a pier's upright stone, and the share of its height where it is at least
+REACHED = 0.95, 0.65  # quantile of a pier's upright stone, and the share of its height where it is at least
 FEWEST = 40  # points of a pier
 
 
