@@ -266,6 +266,31 @@ class FittedArch(FittedVault):
         return self.ring if self.thickness is None else self.thickness
 
 
+@dataclass(frozen=True)
+class FittedPier:
+    """A pier or column that stands free, upright from the floor to where arches or vaults spring from it.
+
+    plan: "round", "rectangular", or "compound" if it steps back within its rectangle. pose: the middle of its foot, x
+    along its width. parameters: `diameter` of a round one, `width` and `depth` along x and y of any other, both of its
+    shaft, and `height` to the springing, base and capital included [m]. points: of the scan on its shaft. deviation: of
+    those from its sides. covariance: of x, y, z, yaw and the parameters.
+    """
+
+    plan: str
+    pose: Pose
+    parameters: Mapping[str, Estimate]
+    points: int
+    deviation: Deviation
+    covariance: Covariance
+
+    @property
+    def size(self) -> tuple[float, float, float]:
+        """Along x, along y, and its height [m]."""
+        names = ("diameter", "diameter") if self.plan == "round" else ("width", "depth")
+        width, depth, height = (self.parameters[name].value for name in (*names, "height"))
+        return width, depth, height
+
+
 @dataclass(frozen=True, kw_only=True)
 class Assembly:
     """Vaults in one place, as exporters take them: drawn, or of a `Model`, which has the scan that they are of.
@@ -306,6 +331,8 @@ class Model(Assembly):
 
     vaults: tuple[FittedVault, ...]
     arches: tuple[FittedArch, ...] = ()
+    piers: tuple[FittedPier, ...] = ()
+    ceiling: Mapping[str, float] = field(default_factory=dict)  # m² over rooms: `area`, and what of it is what
     points: int
     bounds: NDArray[np.float64]  # (2, 3) in the scan's own coordinates
     settings: Mapping[str, Any] = field(default_factory=dict)

@@ -30,9 +30,11 @@ from vaultcad.fit.solve import Placed
 from vaultcad.fit.uncertainty import covariance, open_ends
 from vaultcad.legible import legible
 from vaultcad.measure.as_built import displacement
+from vaultcad.measure.ceiling import account, missed
 from vaultcad.measure.coverage import look
 from vaultcad.measure.deviation import summarise
 from vaultcad.measure.estimates import estimates
+from vaultcad.measure.piers import piers_under
 from vaultcad.model import Component, Deviation, FittedArch, FittedVault, Model
 from vaultcad.one_thread import one_thread
 from vaultcad.survey.lean import lean_of
@@ -115,9 +117,12 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
         scan = _Labelled(labels, thin, thinned)
         vaults = tuple(scan.vault(one, k, rng) for k, one in enumerate(found.vaults, 1))
         arches = tuple(scan.arch(one, k, found.vaults, rng) for k, one in enumerate(found.arches, 1))
+        piers = piers_under(vaults, arches, thin)
+        ceiling, unexplained = account(found.hung, bands, arched)
     if lean is not None:
         vaults = tuple(replace(fitted, pose=lean.pose(fitted.pose)) for fitted in vaults)
         arches = tuple(replace(fitted, pose=lean.pose(fitted.pose)) for fitted in arches)
+        piers = tuple(replace(pier, pose=lean.pose(pier.pose)) for pier in piers)
     ends = cloud.in_file(np.array([cloud.xyz.min(axis=0), cloud.xyz.max(axis=0)]))
     model = Model(
         scan=legible(cloud.source or Path("scan")),
@@ -126,6 +131,8 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
         origin=cloud.origin,
         vaults=vaults,
         arches=arches,
+        piers=piers,
+        ceiling=ceiling,
         thickness=settings.thickness,
         settings={
             "families": [f.id for f in settings.families],
@@ -140,7 +147,12 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
         seconds=seconds,
         unit=float(cloud.scale[0]),
         crs=cloud.crs,
-        notes=(*cloud.notes, *notes, *(() if RECTANGLE.name in demands.freed else _askew(vaults))),
+        notes=(
+            *cloud.notes,
+            *notes,
+            *(() if RECTANGLE.name in demands.freed else _askew(vaults)),
+            *missed(ceiling, unexplained + cloud.origin[:2]),
+        ),
     )
     return Result(model, labels, scanned.points, thinned.component, thinned.vault, thinned.deviation.astype(np.float64))
 

@@ -19,6 +19,8 @@ def show_summary(model: Model, out: Path) -> None:
         _show_building(model)
     else:
         show_table(("", ""), _rows(model.vaults[0], float(model.origin[2])))
+    if told := _ceiling(model.ceiling):
+        typer.echo(told)
     typer.echo(f"{out}: {', '.join(sorted(path.name for path in out.iterdir() if not path.name.startswith('.')))}")
 
 
@@ -83,6 +85,12 @@ def _rows(fitted: FittedVault, up: float) -> Iterator[tuple[str, str]]:
     )
     if not fitted.converged:
         yield "note", "the fit did not settle; look at the report before you use it"
+
+
+def _ceiling(ceiling: Mapping[str, float]) -> str:
+    """What hangs over rooms is what; nothing where it was not looked at."""
+    parts = [f"{area:.1f} m² {name}" for name, area in ceiling.items() if name != "area" and area > 0]
+    return f"ceiling {ceiling['area']:.1f} m²: {', '.join(parts)}" if parts else ""
 
 
 def _odds(odds: Mapping[str, float]) -> str:

@@ -19,7 +19,18 @@ from segmentation.units import unit_of
 from vaultcad.measure.arcs import arcs_of, springing_of
 from vaultcad.measure.building import Building, building_of, letters
 from vaultcad.measure.setting_out import RULES, setting_out
-from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedArch, FittedVault, Model, Rival
+from vaultcad.model import (
+    Component,
+    Covariance,
+    Deviation,
+    Estimate,
+    FittedArch,
+    FittedPier,
+    FittedVault,
+    Model,
+    Pose,
+    Rival,
+)
 
 SCHEMA = 1
 DECIMALS = 6  # of metres and of shares: a micrometre, well below what any scan can tell
@@ -60,6 +71,8 @@ def report(model: Model, *, correlations: bool = False) -> dict[str, Any]:
                 for floor, storey in zip(building.floors, building.storeys, strict=True)
             ],
         },
+        "ceiling": {name: _number(area) for name, area in model.ceiling.items()},  # m²
+        "piers": [_pier(pier, model.origin) for pier in model.piers],
     }
 
 
@@ -127,7 +140,7 @@ def arch(one: FittedArch, number: int, model: Model) -> dict[str, Any]:
             for name, chance in setting_out(one).items()
             if chance >= SLIGHT
         ],
-        "pose": _pose(one, model.origin),
+        "pose": _pose(one.pose, one.covariance, model.origin),
         "points": sum(c.points for c in one.components),
         "confidence": _number(one.confidence),
         "converged": one.converged,
@@ -141,17 +154,6 @@ def _raised(estimate: Estimate, by: float) -> dict[str, Any]:
     return _estimate(dataclasses.replace(estimate, value=estimate.value + by))
 
 
-def _pose(fitted: FittedVault, origin: NDArray[np.float64]) -> dict[str, Any]:
-    pose = fitted.pose
-    return {
-        "origin": _row((pose.x + origin[0], pose.y + origin[1], pose.z + origin[2])),
-        "yaw_deg": _number(degrees(pose.yaw)),
-        "tilt_deg": _number(degrees(pose.tilt)),
-        "lean_deg": [_number(degrees(part)) for part in pose.lean],  # rotation vector about x and y
-        **_pose_std(fitted.covariance),
-    }
-
-
 def _odds(odds: Mapping[str, float]) -> dict[str, float | None]:
     return {kind: _number(chance) for kind, chance in odds.items()}
 
@@ -163,7 +165,7 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "confidence": _number(fitted.confidence),
         "alternatives": [{"family": name, "score": _number(score)} for name, score in fitted.alternatives],
         "converged": fitted.converged,
-        "pose": _pose(fitted, origin),
+        "pose": _pose(fitted.pose, fitted.covariance, origin),
         "corners": _corners(fitted, origin),
         "profiles": fitted.vault.kinds,
         "profile_odds": {name: _odds(odds) for name, odds in fitted.odds.items()},
@@ -174,6 +176,26 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "as_built": None if fitted.as_built is None else {"deviation": _deviation(fitted.as_built)},
         "coverage": _number(fitted.coverage),
         "tolerance": _number(round(fitted.tolerance, 4)),
+    }
+
+
+def _pier(pier: FittedPier, origin: NDArray[np.float64]) -> dict[str, Any]:
+    return {
+        "plan": pier.plan,
+        "pose": _pose(pier.pose, pier.covariance, origin),
+        "parameters": {name: _estimate(value) for name, value in pier.parameters.items()},
+        "points": int(pier.points),
+        "deviation": _deviation(pier.deviation),
+    }
+
+
+def _pose(pose: Pose, covariance: Covariance | None, origin: NDArray[np.float64]) -> dict[str, Any]:
+    return {
+        "origin": _row((pose.x + origin[0], pose.y + origin[1], pose.z + origin[2])),
+        "yaw_deg": _number(degrees(pose.yaw)),
+        "tilt_deg": _number(degrees(pose.tilt)),
+        "lean_deg": [_number(degrees(part)) for part in pose.lean],  # rotation vector about x and y
+        **_pose_std(covariance),
     }
 
 

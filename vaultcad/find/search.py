@@ -23,6 +23,7 @@ from vaultcad.processes import spread
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
 from vaultcad.survey.parting import Ceiling, parted
+from vaultcad.survey.patches import Patches
 from vaultcad.survey.thinned_scan import Site, Thin, find_site
 
 Array = NDArray[np.float64]
@@ -38,10 +39,14 @@ FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen o
 
 @dataclass(frozen=True)
 class Findings:
-    """What was found in a scan: its vaults, the largest ceilings first, and the arches between them."""
+    """What was found in a scan: its vaults, the largest ceilings first, and the arches between them.
+
+    hung: the patches of all that hangs over rooms, found or not.
+    """
 
     vaults: tuple[Found, ...]
-    arches: tuple[FoundArch, ...] = ()
+    arches: tuple[FoundArch, ...]
+    hung: Patches
 
 
 def find_vaults(
@@ -59,7 +64,7 @@ def find_vaults(
     """
     parting = parted(thin, xyz)
     if not parting.is_parted:
-        return Findings(_under_one_ceiling(thin, xyz, families, rng, demands))
+        return Findings(_under_one_ceiling(thin, xyz, families, rng, demands), (), parting.hung)
     ceilings, soffits = parting.ceilings, parting.soffits
     hung = np.concatenate([ceiling.points for ceiling in ceilings]) if ceilings else np.empty((0, 3))
     rngs = rng.spawn(len(ceilings) + len(soffits))
@@ -92,7 +97,7 @@ def find_vaults(
     if not vaults:
         raise refusals[0]
     _check_share(vaults, ceilings)
-    return Findings(learned(vaults, demands), tuple(arches))
+    return Findings(learned(vaults, demands), tuple(arches), parting.hung)
 
 
 def _check_share(vaults: Sequence[Found], ceilings: Sequence[Ceiling]) -> None:

@@ -83,10 +83,14 @@ class Part:
 
 @dataclass(frozen=True)
 class Parting:
-    """The ceilings of a scan, the largest first, and the soffits of the arches between them."""
+    """The ceilings of a scan, the largest first, and the soffits of the arches between them.
+
+    hung: the patches of all that hangs over rooms.
+    """
 
     ceilings: tuple[Ceiling, ...]
     soffits: tuple[Soffit, ...]
+    hung: Patches
 
     @property
     def is_parted(self) -> bool:
@@ -100,7 +104,7 @@ def parted(thin: Thin, xyz: NDArray[np.floating]) -> Parting:
     soffits, arches = soffits_of(patches, xyz)
     hung = patches.only(~arches)
     if hung.count == 0:
-        return Parting((), soffits)
+        return Parting((), soffits, patches)
     plan = _Plan.of(hung)
     number = plan.ceilings(soffits)
     areas = np.bincount(number, hung.areas)
@@ -111,7 +115,7 @@ def parted(thin: Thin, xyz: NDArray[np.floating]) -> Parting:
         own = (number == k)[hung.patch]
         level = np.abs(hung.normals[own, 2]) > LEVEL_NORMAL
         found.append(Ceiling(hung.points[own], level, float(areas[k]), mine))
-    return Parting(tuple(found), soffits)
+    return Parting(tuple(found), soffits, patches)
 
 
 @dataclass(frozen=True)

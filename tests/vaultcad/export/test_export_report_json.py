@@ -8,7 +8,7 @@ import pytest
 
 from families import FAMILIES
 from vaultcad.export.report_json import report, write_report_json
-from vaultcad.model import Covariance, Estimate
+from vaultcad.model import Covariance, Estimate, FittedPier, Pose
 
 IDS = [cls.id for cls in FAMILIES]
 
@@ -99,3 +99,17 @@ def test_how_sure_pose_and_parameters_are_is_told(make_model, tmp_path):
     assert vault["correlations"]["names"] == ["x", "y", "z", "yaw", "span_x"]
     assert vault["correlations"]["matrix"][0] == [1, 0, 0, 0, -0.25]
     assert "correlations" not in report(model)["vaults"][0]
+
+
+def test_piers_and_the_ceiling_are_told_in_the_coordinates_of_the_scan(make_model):
+    (vault,) = make_model("barrel").vaults
+    sizes = {name: Estimate(value, "m", 0.004, "") for name, value in (("diameter", 0.5), ("height", 3.0))}
+    covariance = Covariance(("x", "y", "z", "yaw", *sizes), np.diag([4e-6, 4e-6, 1e-6, 0.0, 1.6e-5, 1.6e-5]))
+    pier = FittedPier("round", Pose(1.0, 2.0, 0.5, 0.0), sizes, 800, vault.deviation, covariance)
+    model = make_model("barrel", piers=(pier,), ceiling={"area": 9.0, "vault": 9.0}, origin=np.array([100.0, 0.0, 7.0]))
+    told = report(model)
+    (row,) = told["piers"]
+    assert (row["plan"], row["points"], row["pose"]["origin"]) == ("round", 800, [101.0, 2.0, 7.5])
+    assert row["pose"]["std"] == {"x": 0.002, "y": 0.002, "z": 0.001, "yaw_deg": None}
+    assert row["parameters"]["height"] == {"value": 3.0, "unit": "m", "std": 0.004}
+    assert told["ceiling"] == {"area": 9.0, "vault": 9.0}
