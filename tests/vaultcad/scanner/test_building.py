@@ -46,7 +46,7 @@ EXACT = ScannerSettings(
     settlement=0,
 )
 MESH = 0.0015  # m, by which chords of arches and vaults stay off them
-CHURCH = Path(__file__).parents[2] / "examples" / "church.toml"
+CHURCH = Path(__file__).parents[3] / "examples" / "church.toml"
 GROIN = Groin(4, 3.5, Semicircular(), Segmental(0.4))
 
 
