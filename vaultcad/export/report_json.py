@@ -84,6 +84,7 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "family": fitted.vault.id,
         "confidence": _number(fitted.confidence),
         "alternatives": [{"family": name, "score": _number(score)} for name, score in fitted.alternatives],
+        "doubt": fitted.doubt or None,
         "converged": fitted.converged,
         "pose": {
             "origin": _row((pose.x + origin[0], pose.y + origin[1], pose.z + origin[2])),

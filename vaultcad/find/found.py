@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from vaultcad.find.choices import Choice, likeliest, weigh
+from vaultcad.find.misfit import FITS, Misfit
 from vaultcad.find.recognise import Hypothesis
 from vaultcad.find.refine import Refined
 from vaultcad.fit.freedom import Demands
@@ -21,7 +22,7 @@ BAND = 4.0  # that band in scatters of the fit
 class Found:
     """One vault of a scan. hypotheses: the most likely first. tolerance: of the band its points lie in [m].
 
-    choices: of arches and constraints; with the first it is refined.
+    choices: of arches and constraints; with the first it is refined. misfit: what speaks against all families.
     """
 
     site: Site
@@ -29,6 +30,7 @@ class Found:
     refined: Refined
     tolerance: float
     choices: tuple[Choice, ...] = ()
+    misfit: Misfit = FITS
 
     @property
     def placed(self) -> Placed:
