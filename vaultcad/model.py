@@ -221,12 +221,20 @@ class FittedVault(PlacedVault):
     tolerance: float = 0.03  # m, half of the band that its points lie in
     odds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # of each arch: kind -> chance
     rivals: tuple[Rival, ...] = ()  # how it may have been built; this one first, then the likeliest
+    doubt: str = ""  # why it may be of none of the families, where that is likely
 
     @property
     def arches(self) -> dict[str, str]:
         """What is known of each arch's kind, in words: "semicircular or elliptical"."""
         kinds = self.vault.kinds.items()
         return {name: " or ".join(said(self.odds.get(name, {kind: 1.0}))) for name, kind in kinds}
+
+    @property
+    def unlike(self) -> str:
+        """In a sentence that it may be of none of the families, and why; nothing where that is not likely."""
+        return f"It may be none of these families: nearest is a {self.vault.title}, but {self.doubt}." * bool(
+            self.doubt
+        )
 
     def numbers(self) -> Mapping[str, Estimate]:
         """As they were fitted."""

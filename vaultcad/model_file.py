@@ -258,6 +258,7 @@ DECODERS: dict[str, Callable[[Any], Any]] = {
     "label": str,
     "solid": bool,
     "odds": dict,
+    "doubt": str,
     "rivals": lambda told: tuple(Rival(**{**one, "constraints": tuple(one["constraints"])}) for one in told),
 }
 """How what a fit found is read, by its names."""

@@ -243,7 +243,7 @@ def _measured(
     for k, name in enumerate(placed.vault.components, 1):
         d = deviation[component == k]
         components.append(Component(k, name, len(d), summarise(d) if len(d) else None, sight.of(k)))
-    ranking = confidence(found.hypotheses)
+    ranking = confidence(found.hypotheses, found.misfit.chance)
     return FittedVault(
         vault=placed.vault,
         pose=placed.pose,
@@ -259,6 +259,7 @@ def _measured(
         tolerance=found.tolerance,
         odds=odds(found.choices),
         rivals=rivals(found.choices, placed),
+        doubt=found.misfit.reason,
     )
 
 

@@ -62,6 +62,8 @@ def _rows(fitted: FittedVault, up: float) -> Iterator[tuple[str, str]]:
     others = ", ".join(f"{name} {score:.0%}" for name, score in fitted.alternatives[:3])
     if others:
         yield "or else", others
+    if fitted.doubt:
+        yield "doubt", fitted.unlike
     for name, kinds in fitted.arches.items():
         yield name, kinds + _odds(fitted.odds.get(name, {}))
     spread = {} if fitted.covariance is None else fitted.covariance.stds()

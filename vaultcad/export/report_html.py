@@ -96,6 +96,8 @@ def _summary(fitted: FittedVault) -> str:
     )
     others = [f"{family(name).title} {percent(score)}" for name, score in fitted.alternatives[:3] if score >= 0.001]
     more = f"<p>Next likeliest: {escape(', '.join(others))}.</p>" if others else ""
+    if fitted.doubt:
+        more += f'<p class="warning">{escape(fitted.unlike)}</p>'
     if not fitted.converged:
         more += '<p class="warning">The fit had not come to rest when it was stopped: take the figures with care.</p>'
     return f'<p class="lead">{escape(text)}</p>{more}'

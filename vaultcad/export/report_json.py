@@ -164,6 +164,7 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "family": fitted.vault.id,
         "confidence": _number(fitted.confidence),
         "alternatives": [{"family": name, "score": _number(score)} for name, score in fitted.alternatives],
+        "doubt": fitted.doubt or None,
         "converged": fitted.converged,
         "pose": _pose(fitted.pose, fitted.covariance, origin),
         "corners": _corners(fitted, origin),

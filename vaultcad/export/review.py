@@ -146,9 +146,11 @@ def _title(sheet: ReviewSheet, fitted: FittedVault, number: str, scan: str) -> N
     arches = ", ".join(f"{name.replace('_', ' ')} {kind}" for name, kind in fitted.arches.items())
     line = f"confidence {fitted.confidence:.0%}" + (f" (or else {', '.join(others)})" if others else "")
     sheet.text(MARGIN, 0.78, "  ·  ".join(filter(None, (line, arches, scan))))
+    warnings = [fitted.unlike] if fitted.doubt else []
     if not fitted.converged:
-        text = "The fit had not come to rest when it was stopped: take the figures with care."
-        sheet.text(MARGIN, 1.02, text, color=WARNING, weight="bold")
+        warnings.append("The fit had not come to rest when it was stopped: take the figures with care.")
+    if warnings:
+        sheet.text(MARGIN, 1.02, " ".join(warnings), color=WARNING, weight="bold")
 
 
 def _figures(sheet: ReviewSheet, fitted: FittedVault) -> None:

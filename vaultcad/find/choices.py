@@ -17,20 +17,19 @@ from math import exp, log
 import numpy as np
 from numpy.typing import NDArray
 
-from families import PROFILES, Profile, Vault
+from families import PROFILES
 from families.declaration.constraints import Constraint
 from families.declaration.profiles import as_kind
 from vaultcad.find.identity import is_its_family
 from vaultcad.find.likelihood import FIT_STEPS, GAIN, Field
 from vaultcad.find.practice import log_prior
-from vaultcad.find.recognise import turned_over
+from vaultcad.find.recognise import Kinds, kinds_of, turned_over
 from vaultcad.find.refine import Refined, settled
 from vaultcad.fit.freedom import RECTANGLE, Demands
 from vaultcad.fit.solve import POSE, Placed, Solution
 from vaultcad.model import Covariance, Rival
 
 Array = NDArray[np.float64]
-Kinds = tuple[type[Profile], ...]
 
 CLEARLY = 3.0  # times as likely: then constraints are others than the fit's
 SLIGHT = 1e-3  # chance below which a choice is forgotten
@@ -55,11 +54,6 @@ class Choice:
     def kinds(self) -> Kinds:
         """Of its arches, in the order of its fields."""
         return kinds_of(self.placed.vault)
-
-
-def kinds_of(vault: Vault) -> Kinds:
-    """Of its arches, in the order of its fields."""
-    return tuple(type(arch) for arch in vault.profiles.values())
 
 
 def weigh(refined: Refined, demands: Demands, rng: np.random.Generator) -> tuple[Choice, ...]:

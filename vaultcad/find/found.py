@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from vaultcad.find.choices import Choice, likeliest, weigh
+from vaultcad.find.misfit import FITS, Misfit
 from vaultcad.find.recognise import Hypothesis
 from vaultcad.find.refine import Refined
 from vaultcad.fit.freedom import Demands
@@ -23,7 +24,7 @@ class Found:
     """One vault of a scan. hypotheses: the most likely first. tolerance: of the band its points lie in [m].
 
     choices: of arches and constraints; with the first it is refined. shared: mean and standard deviation of the sizes
-    that are those of its row [m].
+    that are those of its row [m]. misfit: what speaks against all families.
     """
 
     site: Site
@@ -32,6 +33,7 @@ class Found:
     tolerance: float
     choices: tuple[Choice, ...] = ()
     shared: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    misfit: Misfit = FITS
 
     @property
     def placed(self) -> Placed:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from math import exp, inf, log
@@ -10,7 +10,7 @@ from math import exp, inf, log
 import numpy as np
 from numpy.typing import NDArray
 
-from families import FAMILIES, Vault
+from families import FAMILIES, Profile, Vault
 from families.declaration.constraints import Constraint
 from families.declaration.corners import Skew
 from families.declaration.profiles import as_kind
@@ -23,6 +23,7 @@ from vaultcad.fit.solve import Placed, Solution
 from vaultcad.survey.thinned_scan import Site
 
 Array = NDArray[np.float64]
+Kinds = tuple[type[Profile], ...]
 
 PAYS = 10.0  # by so much the score must fall for that
 TRIED = 3  # starts of a variant of a family along an axis, unless it is a supple one
@@ -35,6 +36,7 @@ MISSED = 0.01
 of 164 virtual rooms (seeds 5000 to 5069 and 5100 to 5197, 23 November 2026) was about the likeliest; on others it is
 checked by `python -m bench rooms`."""
 HOPELESS = 2.5  # a family whose cost is this much above the best one's is not refined
+RIVAL = 25.0  # on the score: between families as close as that, those with several arches are begun from each kind
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,10 @@ def recognise(
     fitted = [judge.within(placed, 0.0 if vain else inf) for placed, vain in zip(simple, hopeless, strict=True)]
     nearest = min((h.cost for h in fitted), default=inf)
     fitted += [judge.within(placed, nearest) for placed in supple]
+    if _rivals(fitted) and (others := [placed for h in fitted for placed in _other_arches(h, site, some, demands)]):
+        # Stone that no hypothesis was near to, as the feet of another arch, said nothing so far.
+        judge = _Judge(Evidence.draw(site, 3000, rng, demands, about=[*hopeful, *others]), max(scale, 0.03), demands)
+        fitted = [judge.of(h.solution.placed, h.kept) for h in fitted] + [judge.within(p, inf) for p in others]
     met = [h for h in fitted if h.score < inf]
     if not met:
         asked = ", ".join(
@@ -94,14 +100,24 @@ def recognise(
         )
         raise NoVaultError(f"no vault found: none that fits the scan can have {asked}")
     proper = [h for h in met if is_its_family(h.vault)] or met
-    return tuple(sorted(proper, key=lambda h: h.score))
+    best = {h.vault.id: h for h in sorted(proper, key=lambda h: -h.score)}
+    return tuple(sorted(best.values(), key=lambda h: h.score))
 
 
-def confidence(hypotheses: Sequence[Hypothesis]) -> list[float]:
-    """How likely each hypothesis is, in their order: its share in the likelihood, or that the right one was missed."""
+def confidence(hypotheses: Sequence[Hypothesis], strange: float = 0.0) -> list[float]:
+    """How likely each hypothesis is, in their order: its share in the likelihood, or that the right one was missed.
+
+    strange: chance that none of them is right, as the vault is of none of the families.
+    """
     best = min(h.score for h in hypotheses)
     raw = [exp(-0.5 * min(h.score - best, 700.0)) for h in hypotheses]
-    return [(1 - MISSED) * value / sum(raw) + MISSED / len(raw) for value in raw]
+    return [(1 - strange) * ((1 - MISSED) * value / sum(raw) + MISSED / len(raw)) for value in raw]
+
+
+def _rivals(fitted: Sequence[Hypothesis]) -> bool:
+    """Whether two families are so close that a better fit of either may decide."""
+    scores = sorted(h.score for h in fitted)
+    return len(scores) > 1 and scores[1] < scores[0] + RIVAL
 
 
 def _begun(
@@ -130,6 +146,23 @@ def _rough(
             free = demands.freedom(grid[k].vault, demands.begun_with(grid[k].vault))
             solved.append(some.solve(grid[k], free, (0.3, MIDDLE), most=8).placed)
     return [min(solved, key=lambda placed: some.cost(placed, MIDDLE))] if solved else []
+
+
+def _other_arches(best: Hypothesis, site: Site, some: Evidence, demands: Demands) -> Iterator[Placed]:
+    """The same family begun with arches of each kind, the same in all places; nothing if it has not several arches.
+
+    Arches that stand on one springing do not change their kind one by one.
+    """
+    vault, begun = best.vault, dict[Kinds, list[Placed]]()
+    if len(vault.profiles) < 2:
+        return
+    for start in starts(type(vault), site, demands):
+        if all(getattr(start.vault, name) == getattr(vault, name) for name in vault.variants):
+            begun.setdefault(kinds_of(start.vault), []).append(start)
+    for grid in begun.values():
+        start = min(grid, key=lambda placed: some.cost(placed, COARSE))
+        free = demands.freedom(start.vault, demands.begun_with(start.vault))
+        yield some.solve(start, free, (0.3, MIDDLE), most=8).placed
 
 
 def _scale(placed: Placed, evidence: Evidence) -> float:
@@ -194,6 +227,11 @@ class _Judge:
                     trial = self.of(replace(placed, vault=self.demands.begun(vault)), best.kept)
                     best = min(best, trial, key=lambda h: h.score)
         return best
+
+
+def kinds_of(vault: Vault) -> Kinds:
+    """Of its arches, in the order of its fields."""
+    return tuple(type(arch) for arch in vault.profiles.values())
 
 
 def turned_over(

@@ -15,8 +15,9 @@ import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.profiles import as_kind
-from vaultcad.find.choices import Choice, Kinds
+from vaultcad.find.choices import Choice
 from vaultcad.find.found import Found, tolerance_of
+from vaultcad.find.recognise import Kinds
 from vaultcad.find.refine import settled
 from vaultcad.fit.freedom import BAYS, Demands, decides
 from vaultcad.fit.solve import Placed

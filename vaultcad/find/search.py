@@ -13,6 +13,7 @@ from families import Vault
 from vaultcad.errors import NoVaultError
 from vaultcad.find.arches import FoundArch, find_arch
 from vaultcad.find.found import Found, likeliest_of, tolerance_of
+from vaultcad.find.misfit import Misfit, refuse_strangers
 from vaultcad.find.no_vault import check
 from vaultcad.find.recognise import recognise
 from vaultcad.find.refine import refine
@@ -220,8 +221,9 @@ class _Search:
         site = _under_its_ceiling(find_site(thin, xyz), thin)
         hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
         refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
-        found = Found(site, hypotheses, refined, tolerance_of(refined))
+        found = Found(site, hypotheses, refined, tolerance_of(refined), misfit=Misfit.of(refined))
         check(refined, site, found.tolerance)
+        refuse_strangers(found.misfit, found.placed.vault.title)
         return found
 
     def _settled(self, one: Found, region: Region) -> bool:

@@ -10,6 +10,7 @@ prior: real vaults have moved by 2 to 5 cm.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -132,8 +133,7 @@ def motion(blocks: Blocks, plan: Plan, rise: float) -> Array:
     plan: of the vault. rise: of its crown above the springing [m].
     """
     shapes = smooth_fields(blocks.place, blocks.normal, plan, rise)
-    likely = np.stack([_log_likelihood(shape, blocks) for shape in shapes])
-    likely += PRIOR[:, :, None]
+    likely = _log_likelihoods(shapes, blocks) + PRIOR[:, :, None]
     share = np.exp(likely - likely.max())
     share /= share.sum()
     # The mean over all that is likely, so that what the scan cannot tell widens the result.
@@ -141,6 +141,14 @@ def motion(blocks: Blocks, plan: Plan, rise: float) -> Array:
     rough = float(share.sum(axis=(0, 1)) @ ROUGHNESSES**2)
     out: Array = smooth + rough * np.eye(len(smooth))
     return out
+
+
+def field_likelihood(blocks: Blocks, plan: Plan, rise: float) -> Array:
+    """Restricted log likelihood (lengths, strengths, roughnesses) of fields, given the usable blocks' residuals.
+
+    plan: of the vault. rise: of its crown above the springing [m].
+    """
+    return _log_likelihoods(smooth_fields(blocks.place, blocks.normal, plan, rise), blocks)
 
 
 def smooth_fields(place: Array, normal: Array, plan: Plan, rise: float) -> list[Array]:
@@ -159,6 +167,10 @@ def _modes(place: Array, normal: Array, plan: Plan, rise: float) -> Array:
     height = np.clip(place[:, 2] / max(rise, 1e-3), 0, 1)
     x, y = (np.clip(place[:, k] / plan.half[k], -1, 1) for k in (0, 1))
     return GIVING * np.stack([x * (1 - height), y * (1 - height), -height], axis=1) * normal
+
+
+def _log_likelihoods(shapes: Iterable[Array], blocks: Blocks) -> Array:
+    return np.stack([_log_likelihood(shape, blocks) for shape in shapes])
 
 
 def _log_likelihood(shape: Array, blocks: Blocks) -> Array:

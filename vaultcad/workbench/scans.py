@@ -94,6 +94,7 @@ def flags(vault: Any) -> list[str]:
     found = {
         "the fit did not settle": not vault.converged,
         f"only {vault.coverage:.0%} of the intrados was seen": vault.coverage < LOW_COVERAGE,
+        vault.unlike: bool(vault.doubt),
         f"the family is not certain ({vault.confidence:.0%})": vault.confidence < LOW_CONFIDENCE,
     }
     unsure = [f"{name.replace('_', ' ')}: {kinds}" for name, kinds in vault.arches.items() if " or " in kinds]

@@ -1,0 +1,127 @@
+"""Whether a vault is of none of the families: by how far, and how, the stone is off the best of them.
+
+The likelihood of a family among those that were tried says nothing of a shape that is none of them. Here two hypotheses
+about the residuals are weighed, each a random field of `vaultcad.fit.settlement` of unknown strength, length and
+roughness: what settlement and plaster leave of the right family, and what a wrong one leaves, which is larger and
+breaks where edges of the model are not the stone's. The odds are the ratio of marginal likelihoods (Jeffreys 1961).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, log
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families.declaration.plan import Plan
+from vaultcad.errors import NoVaultError
+from vaultcad.find.refine import Refined
+from vaultcad.fit.settlement import (
+    LENGTHS,
+    ROUGHNESSES,
+    STRENGTHS,
+    Blocks,
+    Partition,
+    field_likelihood,
+)
+
+Array = NDArray[np.float64]
+
+POINTS = 4_000  # of the fit, that are looked at
+REACH = 0.15  # m off the model, to where stone may be the vault's
+LIGHT = 0.3  # of the median weight of blocks, below which one is a remnant at an edge
+ENOUGH = 25  # blocks without which nothing is said
+STRANGE = 0.02  # chance beforehand that a vault is of none of the families
+REFUSED = 0.995  # chance of that from which on there is no model
+DOUBTFUL = 0.2  # chance of that from which on it is said why
+WAVES, OF_VARIANCE = range(3, 13), 0.4  # round an axis, and the share of the residuals from which on they are named
+
+
+def _prior(strength: float, spread: float, roughness: float, rough_spread: float) -> Array:
+    """Logarithm (lengths, strengths, roughnesses) of log-normal chances, of medians [m] and spreads; they sum to 1."""
+    length = -0.5 * (np.log(np.array(LENGTHS) / 0.5) / 0.5) ** 2
+    smooth = -0.5 * (np.log(STRENGTHS / strength) / spread) ** 2
+    rough = -0.5 * (np.log(ROUGHNESSES / roughness) / rough_spread) ** 2
+    whole: Array = length[:, None, None] + smooth[:, None] + rough
+    whole -= np.logaddexp.reduce(whole, axis=None)
+    return whole
+
+
+LEFT_BY_THE_RIGHT = _prior(0.004, 0.7, 0.0018, 0.5)
+LEFT_BY_A_WRONG_ONE = _prior(0.015, 0.8, 0.005, 0.7)
+"""Of 28 and 21 virtual rooms (29 November 2026), settled by up to 5 cm, fitted with their family and without it."""
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """What the stone says against the best model.
+
+    chance: that it is of none of the families. off: root mean square of the stone's distance, over blocks [m]. waves:
+    round the axis, in which most of it runs; 0 if in none.
+    """
+
+    chance: float
+    off: float
+    waves: int = 0
+
+    @classmethod
+    def of(cls, refined: Refined) -> Misfit:
+        """Of a fit, by the blocks of its stone; nothing is said against it where they are few."""
+        placed, evidence = refined.placed, refined.evidence
+        some = slice(None, None, max(len(evidence.points) // POINTS, 1))
+        points, distance = evidence.points[some], refined.solution.residuals[some]
+        frame = placed.pose.frame()
+        local = points @ frame[:, :3].T + frame[:, 3]
+        surface = placed.vault.evaluate(local, walls=True)
+        own = (surface.component > 0) & (np.abs(distance) < REACH) & placed.vault.plan.holds(local[:, :2])
+        parts = Partition.of(placed, points, evidence.weights[some] * own)
+        usable = parts.weight > 0
+        if usable.sum() < ENOUGH:
+            return FITS
+        usable &= parts.weight > LIGHT * np.median(parts.weight[usable])
+        mean = parts.means(distance[:, None])[:, 0]
+        # What parameters could have taken is left in: a fit has no more to take.
+        blocks = Blocks(parts.weight, mean, np.empty((len(mean), 0)), parts.place, parts.normal, usable)
+        plan = placed.vault.plan
+        likely = field_likelihood(blocks, plan, placed.vault.derived_values()["rise"])
+        right, wrong = (
+            float(np.logaddexp.reduce(likely + prior, axis=None)) for prior in (LEFT_BY_THE_RIGHT, LEFT_BY_A_WRONG_ONE)
+        )
+        odds = wrong - right + log(STRANGE / (1 - STRANGE))
+        off = float(np.sqrt(np.mean(mean[usable] ** 2)))
+        return cls(1 / (1 + exp(-odds)) if odds > -700 else 0.0, off, _waves(parts.place[usable], mean[usable], plan))
+
+    @property
+    def reason(self) -> str:
+        """Why it may be of none of the families; nothing where that is not likely."""
+        if self.chance < DOUBTFUL:
+            return ""
+        waves = f" in {self.waves} waves round the axis" if self.waves else ""
+        return f"the stone is {100 * self.off:.1f} cm off it{waves}, more than settlement explains"
+
+
+FITS = Misfit(0.0, 0.0)
+"""Nothing against it."""
+
+
+def refuse_strangers(misfit: Misfit, title: str) -> None:
+    """Refuse a vault of none of the families.
+
+    title: of the nearest.
+
+    Raises:
+        NoVaultError: it is.
+    """
+    if misfit.chance > REFUSED:
+        raise NoVaultError(f"no vault found: none of these families: nearest is a {title}, but {misfit.reason}")
+
+
+def _waves(place: Array, residual: Array, plan: Plan) -> int:
+    """How many waves round the middle of the plan most residuals (m,) of blocks at (m, 3) run in; 0 if in none."""
+    across = place[:, :2] - plan.centre
+    turn = np.arctan2(across[:, 1], across[:, 0])
+    left = residual - residual.mean()
+    powers = {n: 2 * abs(np.mean(left * np.exp(1j * n * turn))) ** 2 for n in WAVES}
+    most = max(powers, key=lambda n: powers[n])
+    return most if powers[most] > OF_VARIANCE * np.mean(left**2) > 0 else 0
