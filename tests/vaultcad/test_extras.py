@@ -25,7 +25,7 @@ def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 def test_a_fit_needs_no_extra(tmp_path):
     ran = run("fit", ROOM, "-o", tmp_path / "out", "--review")
     assert ran.returncode == 0, ran.stderr
-    assert len(list((tmp_path / "out").iterdir())) == 10
+    assert len(list((tmp_path / "out").iterdir())) == 11
 
 
 def test_the_scanner_says_which_extra_it_needs(tmp_path):

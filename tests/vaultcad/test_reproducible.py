@@ -43,7 +43,7 @@ def test_every_file_of_a_fit_is_the_same_in_another_folder_on_other_cores_in_oth
     fit(ROOM, tmp_path / "one", cores=1, points=1_000_000)
     fit(other, tmp_path / "two", tmp_path / "three", cores=2, points=70_001)
     one, *others = ({p.name: p.read_bytes() for p in (tmp_path / name).iterdir()} for name in ("one", "two", "three"))
-    assert len(one) == 10
+    assert len(one) == 11
     for found in others:
         assert [name for name in one if one[name] != found.get(name)] == []
 
@@ -71,5 +71,5 @@ def test_a_scan_whose_name_is_no_text_is_fitted(tmp_path):
     out = tmp_path / os.fsdecode(b"Gew\xf6lbe\n'")
     run = subprocess.run([sys.executable, "-c", FIT, "2", "1000000", scan, out], capture_output=True, check=False)
     assert run.returncode == 0, run.stderr
-    assert len(list(out.iterdir())) == 10
+    assert len(list(out.iterdir())) == 11
     assert "Gew\ufffdlbe" in (out / "report.json").read_text(encoding="utf-8")
