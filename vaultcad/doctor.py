@@ -81,6 +81,7 @@ PROBES = (
     Probe("numba", "numba", "import numba", "compiled loops"),
     Probe("scipy", "scipy", "import scipy.optimize, scipy.spatial", "fitting"),
     Probe("ifcopenshell", "ifcopenshell", "import ifcopenshell.geom", "IFC"),
+    Probe("ezdxf", "ezdxf", "import ezdxf", "DXF"),
     Probe("laspy", "laspy", "import laspy", "LAS files"),
     Probe("lazrs", "lazrs", "import lazrs", "compressed LAS (LAZ) files"),
     Probe("pye57", "pye57", "import pye57", "E57 files"),

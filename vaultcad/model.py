@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import cos, hypot, nan, sin, sqrt
+from math import cos, hypot, isfinite, nan, sin, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -83,10 +83,11 @@ class Deviation:
     loa: str  # USIBD level of accuracy of the 95 % limit: "LOA10" (coarser than 5 cm) ... "LOA50" (1 mm)
 
 
-# Marks of numbers that are not to be trusted: flag -> sign and what it says.
+# Marks of numbers that one vault alone does not tell: flag -> sign and what it says.
 FLAGS: Mapping[str, tuple[str, str]] = {
     "unseen": ("?", "hangs on stone that the scan did not see"),
     "weak": ("~", "is known only roughly"),
+    "row": ("=", "is that of all bays of its row"),
 }
 
 
@@ -189,6 +190,11 @@ class PlacedVault:
         """The kind of each arch, in words."""
         return self.vault.kinds
 
+    @property
+    def depth_of_stone(self) -> float | None:
+        """How thick its masonry is drawn [m]; None for as thick as that of all."""
+        return self.thickness
+
     def numbers(self) -> Mapping[str, Estimate]:
         """Its parameters, then the sizes that follow."""
         values, lengths = self.vault.values(), derived_declarations(type(self.vault))
@@ -244,6 +250,21 @@ class FittedArch(FittedVault):
     depth: tuple[float, float] = (nan, nan)
     beside: tuple[int, int] = (0, 0)
 
+    @property
+    def kind(self) -> str:
+        """By what is beside it: transverse between two vaults, else a wall arch."""
+        return "transverse" if all(self.beside) else "wall"
+
+    @property
+    def ring(self) -> float | None:
+        """Its depth [m]: the lesser of both sides, for more may be the wall on it; None where neither is known."""
+        return min((side for side in self.depth if isfinite(side)), default=None)
+
+    @property
+    def depth_of_stone(self) -> float | None:
+        """Its ring, unless another thickness is asked for."""
+        return self.ring if self.thickness is None else self.thickness
+
 
 @dataclass(frozen=True)
 class FittedPier:
@@ -280,6 +301,7 @@ class Assembly:
     scan: Path  # of what they are, which gives files their names: a scan, or a document by its name
     origin: NDArray[np.float64]  # (3,)
     vaults: tuple[PlacedVault, ...]
+    arches: tuple[PlacedVault, ...] = ()  # between them, each a barrel as long as it is wide
     thickness: float = 0.15
     versions: Mapping[str, str] = field(default_factory=dict)
     unit: float = 1.0  # m, of x and y in the scan
@@ -287,8 +309,9 @@ class Assembly:
     notes: tuple[Note, ...] = ()  # what was assumed, left out or changed
 
     def thickness_of(self, placed: PlacedVault) -> float:
-        """Of the masonry of one of its vaults [m]."""
-        return self.thickness if placed.thickness is None else placed.thickness
+        """Of the masonry of one of its vaults or arches [m]."""
+        own = placed.depth_of_stone
+        return self.thickness if own is None else own
 
     @property
     def identity(self) -> str:

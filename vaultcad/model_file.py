@@ -21,6 +21,7 @@ from vaultcad.model import (
     Covariance,
     Deviation,
     Estimate,
+    FittedArch,
     FittedVault,
     Model,
     PlacedVault,
@@ -77,6 +78,7 @@ def plain_model(model: Model) -> dict[str, Any]:
         "versions": dict(model.versions),
         "notes": [note._asdict() for note in model.notes],
         "vaults": [plain_vault(fitted) for fitted in model.vaults],
+        "arches": [plain_arch(arch) for arch in model.arches],
     }
 
 
@@ -91,6 +93,11 @@ def plain_vault(fitted: FittedVault) -> dict[str, Any]:
         {**fitted.vault.plain(), "title": fitted.vault.title, **found, "estimates": whole["parameters"]}
     )
     return told
+
+
+def plain_arch(arch: FittedArch) -> dict[str, Any]:
+    """A fitted arch likewise, with its depths and what is beside it."""
+    return plain_vault(arch) | {"depth": finite(arch.depth), "beside": list(arch.beside)}
 
 
 def placed_vault(told: Mapping[str, Any]) -> PlacedVault:
@@ -115,9 +122,21 @@ def fitted_vault(told: Mapping[str, Any]) -> FittedVault:
         KeyError: it has no pose, or no estimates.
         TypeError: something else that was found is missing.
     """
+    return FittedVault(**_fitted(told))
+
+
+def fitted_arch(told: Mapping[str, Any]) -> FittedArch:
+    """The arch that `plain_arch` tells of; raises as `fitted_vault` does."""
+    south, north = (nan if side is None else _number("depth", side) for side in told["depth"])
+    below, above = map(int, told["beside"])
+    return FittedArch(**_fitted(told), depth=(south, north), beside=(below, above))
+
+
+def _fitted(told: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a fitted vault."""
     vault, pose = Vault.from_plain(told), _pose(told["pose"])
     read = {name: decode(told[name]) for name, decode in DECODERS.items() if name in told}
-    return FittedVault(vault=vault, pose=pose, parameters=_estimates(vault, told["estimates"]), **read)
+    return {"vault": vault, "pose": pose, "parameters": _estimates(vault, told["estimates"])} | read
 
 
 def is_edited(told: Mapping[str, Any]) -> bool:
@@ -140,10 +159,14 @@ def finite(value: Any) -> Any:
 
 def _model(told: Mapping[str, Any]) -> Model:
     scan, crs = told["scan"], told["crs"]
-    edited = [str(k) for k, vault in enumerate(told["vaults"], 1) if is_edited(vault)]
+    arches = told.get("arches", [])  # which files of earlier versions do not have
+    edited = [
+        *(f"vault {k}" for k, vault in enumerate(told["vaults"], 1) if is_edited(vault)),
+        *(f"arch {k}" for k, arch in enumerate(arches, 1) if is_edited(arch)),
+    ]
     notes = [Note(note["code"], note["text"]) for note in told["notes"]]
     if edited:
-        which = f"vault {', '.join(edited)} was" if len(edited) == 1 else f"vaults {', '.join(edited)} were"
+        which = f"{', '.join(edited)} {'was' if len(edited) == 1 else 'were'}"
         notes.append(Note("edited", f"{which} edited after the fit, whose deviations and coverage are told"))
     return Model(
         scan=Path(scan["name"]),
@@ -151,6 +174,7 @@ def _model(told: Mapping[str, Any]) -> Model:
         bounds=np.array(scan["bounds"], np.float64).reshape(2, 3),
         origin=_origin(told["origin"]),
         vaults=tuple(map(fitted_vault, told["vaults"])),
+        arches=tuple(map(fitted_arch, arches)),
         thickness=thickness("thickness", told["thickness"]),
         settings=told["settings"],
         versions=told["versions"],

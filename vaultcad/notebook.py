@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.drawing.deviation_colours import ROOM, STONE, STOPS, limit_of
+from families.drawing.svg import svg
 from families.notebook import Trace, mime_bundle, sections, surfaces, table, titled
+from vaultcad.export.building_plan import building_plans
 from vaultcad.export.report_json import in_shown_unit
 from vaultcad.model import Estimate, FittedVault, Model
 
@@ -23,6 +25,7 @@ Floats = NDArray[np.float64]
 Row = tuple[str, str, str, str]  # name, value, standard deviation, meaning
 
 VIEW_POINTS = 6000  # points in the 3D view
+PLAN_WIDTH = 560.0  # of the plan of a building, in pixels
 # By its name plotly draws a scale one way round in Python and the other way round in a browser.
 COLOURS = [[(1 + share) / 2, colour.hex] for share, colour in STOPS]
 
@@ -33,21 +36,33 @@ def of_fitted(fitted: FittedVault) -> dict[str, Any]:
 
 
 def of_model(model: Model, points: Floats | None = None, traces: Sequence[Trace] = ()) -> dict[str, Any]:
-    """What a model shows: each vault after the other, in one view in the scan's local frame.
+    """What a model shows: a plan if it is a building, each vault and arch after the other, all in one view.
 
-    `points` (n, 3) [m] of the scan in that frame go into the sections, further `traces` into the view.
+    The view is in the scan's local frame; `points` (n, 3) [m] of the scan in that frame go into the sections, further
+    `traces` into the view.
     """
     several = len(model.vaults) > 1
+    plans = "".join(svg(drawing, PLAN_WIDTH / drawing.size[0]) for drawing in building_plans(model)) if several else ""
     numbers = [f"{k}  " if several else "" for k in range(1, len(model.vaults) + 1)]
     pages = "".join(_page(fitted, number, points) for fitted, number in zip(model.vaults, numbers, strict=True))
     head = f"{model.scan.name}: {model.points:,} points, {len(model.vaults)} vault{'s' * several}"
+    head += f", {len(model.arches)} arch{'es' * (len(model.arches) > 1)}" if model.arches else ""
 
     def drawn() -> list[Trace]:
-        found = [surfaces(fitted.vault, fitted.pose.placement()[:3]) for fitted in model.vaults]
+        found = [surfaces(placed.vault, placed.pose.placement()[:3]) for placed in (*model.vaults, *model.arches)]
         return [*(trace for own in found for trace in own), *traces] if all(found) else []
 
     rows = [(number + row[0], *row[1:]) for number, f in zip(numbers, model.vaults, strict=True) for row in _rows(f)]
-    return mime_bundle(titled(head, pages), drawn, rows)
+    for k, arch in enumerate(model.arches, 1):
+        rows += [(f"arch {k}  {row[0]}", *row[1:]) for row in _rows(arch)]
+    return mime_bundle(titled(head, plans + pages + _arches(model)), drawn, rows)
+
+
+def _arches(model: Model) -> str:
+    """Each arch with its rows."""
+    return "".join(
+        titled(f"arch {k}: {arch.arches['profile']}", table(_rows(arch))) for k, arch in enumerate(model.arches, 1)
+    )
 
 
 def of_result(result: Result) -> dict[str, Any]:

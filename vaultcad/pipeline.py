@@ -236,6 +236,8 @@ def _measured(
     if any(apart):
         spread = replace(spread, matrix=spread.matrix + open_ends(solution, apart))
     told = estimates(solution, fitted, sight, spread, found.choices)
+    for name, (_, std) in found.shared.items():
+        told[name] = replace(told[name], std=std, flags=("row",))
     deviation = scan.labels.deviation[points]
     components = []
     for k, name in enumerate(placed.vault.components, 1):

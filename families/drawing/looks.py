@@ -36,6 +36,8 @@ LOOKS = {
     "edge": Look(0.8),  # between components
     "unseen": Look(fill=1.0),
     "cutting": Look(0.7, ink=0.7, dashes=(10, 3, 2, 3)),
+    "projected": Look(0.6, ink=0.8, dashes=(5, 3)),  # overhead, seen in a plan
+    "arrow": Look(0.6, ink=0.8),
     "springing": Look(0.6, ink=0.7, dashes=(6, 3)),
     "dimension": Look(0.6, ink=0.7),
     "scan": Look(1.2),  # points at the cut, or of components

@@ -69,12 +69,15 @@ Mark = Area | Line | Dots | Cells | Text
 
 
 class Drawing:
-    """Marks in and around a box from `low` to `high` (2,) [m]; letters and margins grow with the box."""
+    """Marks in and around a box from `low` to `high` (2,) [m]; letters and margins grow with the box.
 
-    def __init__(self, low: ArrayLike, high: ArrayLike, title: str) -> None:
+    margin: around what is drawn, in parts of the box's larger side.
+    """
+
+    def __init__(self, low: ArrayLike, high: ArrayLike, title: str, margin: float = MARGIN) -> None:
         self.low, self.high = np.array(low, dtype=np.float64), np.array(high, dtype=np.float64)
         self.title = title
-        self.margin = MARGIN * float((self.high - self.low).max())
+        self.margin = margin * float((self.high - self.low).max())
         self.marks: list[Mark] = []
 
     @property

@@ -179,7 +179,7 @@ class Rib(Vault):
     def drawn(cls, rng: np.random.Generator) -> Self:
         """Pointed wall arches, as high as mostly semicircular diagonals, or lower under ridges that are bent."""
         span_x = rng.uniform(3, 7)
-        span_y = span_x * rng.uniform(0.6, 1.2)
+        span_y = max(2.5, span_x * rng.uniform(0.6, 1.2))
         diagonal = Semicircular() if rng.random() < 0.7 else Segmental(rng.uniform(0.35, 0.48))
         lower = either(rng, 0.5, 1.0, 0.85, 1.0)
         rise = lower * diagonal.rise(hypot(span_x, span_y) / 2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
-from math import cos, pi, sin
+from math import cos, hypot, pi, sin
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
@@ -56,6 +56,15 @@ class Umbrella(Vault):
     def rise(self) -> float:
         """Crown above the springing [m]."""
         return self.profile_diagonal.rise(self._reach)
+
+    @property
+    def top(self) -> float:
+        """The highest place of the ridges, which may climb from the crown before they fall to the walls [m]."""
+        curve, reach, climb = self.profile_diagonal.curve(self._reach), self._reach, self.arch_rise / self._reach
+        level = [arc.u + arc.radius * climb / hypot(1.0, climb) for arc in curve.arcs]
+        if not level:
+            level = [reach * (climb * reach) / hypot(curve.rise, climb * reach)]
+        return max(curve.height(u) + climb * u for u in (0.0, reach, *(min(max(u, 0.0), reach) for u in level)))
 
     @derived("m", "rise of the wall arches")
     def arch_rise(self) -> float:

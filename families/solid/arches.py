@@ -67,7 +67,8 @@ def _pairs(u: Array | float, z: Array) -> Array:
 def arch_parameters(poles: Array, weights: Array, places: Array) -> Array:
     """Parameters (n,) of places (n, 2), each on one of as many arches: by how far it is along the chord."""
     way = poles[:, -1] - poles[:, 0]
-    along, here = np.einsum("nkx,nx->nk", poles, way), np.einsum("nx,nx->n", places, way)
+    along = np.einsum("nkx,nx->nk", poles, way)
+    here = np.clip(np.einsum("nx,nx->n", places, way), along[:, 0], along[:, -1])  # rounding would leave no root
     arcs = poles.shape[1] // DEGREE
     arc = (here > along[:, DEGREE]).astype(int) if arcs > 1 else np.zeros(len(here), int)
     own = DEGREE * arc[:, None] + np.arange(DEGREE + 1)

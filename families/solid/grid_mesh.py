@@ -18,12 +18,12 @@ Array = NDArray[np.float64]
 
 
 def relief(vault: Vault, thickness: float) -> Mesh:
-    """The masonry between the intrados and a surface `thickness` [m] farther into the stone, cut off at the plan.
+    """The masonry between the intrados and an extrados with all radii larger by `thickness` [m], cut off at the plan.
 
     Steps in plan grow smaller towards the sides, where arches are steep; what is plumb leans by one of them.
     """
     plan, cells = _welded(_grid(vault.plan), _cells())
-    lower, upper = (np.column_stack([plan, heights(vault, plan, depth)]) for depth in (0.0, thickness))
+    lower, upper = (np.column_stack([plan, heights(vault, plan, more)]) for more in (0.0, thickness))
     count = len(plan)
     rim, after = _rim(cells).T
     sides = np.concatenate(

@@ -95,12 +95,14 @@ class WebFrame:
     def breaks(self) -> tuple[float, ...]:
         """Shares of the way between which its arches are of one kind on one arc of the diagonals."""
         half, reach = self.size[2], self.part.reach
+        bare = self.packed.copy()
+        bare[0, kernel.HALF] = 0.0  # whose arches are nothing where the ridge is no higher than the diagonals
         found = {bow.at(bow.end)[0] / reach for bow in self.bows}
         places = np.linspace(0, 1, LOOKS + 1)[1:]
-        for limit in (1.0, 2 * kernel.FLAT):  # steep, and level
+        for limit in (1.0, kernel.FLAT):  # steep, and level
 
             def miss(v: float, limit: float = limit) -> float:
-                return float(kernel.web_arch_rises(np.array([v]), self.packed)[0]) - limit * v * half
+                return float(kernel.web_arch_rises(np.array([v]), bare)[0]) - limit * v * half
 
             values = np.array([miss(v) for v in places.tolist()])
             values[np.abs(values) < STRAIGHT] = 0.0

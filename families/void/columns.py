@@ -5,19 +5,29 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.vault import Vault
+from families.declaration.vault import IDENTITY, Vault
+from families.void import kernel
 
 Array = NDArray[np.float64]
 HALVINGS = 40  # of the height, in which a surface is looked for
 
 
-def heights(vault: Vault, xy: Array, depth: float = 0.0) -> Array:
-    """Heights (n,) [m] over places (n, 2) at which the stone is `depth` [m] deep, by halving from the springing up."""
-    low, high = np.zeros(len(xy)), np.full(len(xy), vault.derived_values()["rise"] + 2 * depth + 1.0)
-    while (vault.distance(np.column_stack([xy, high])) < depth).any():  # a ramp is higher than its rise
+def heights(vault: Vault, xy: Array, thickness: float = 0.0) -> Array:
+    """Heights (n,) [m] of the intrados over places (n, 2), or of the extrados with all radii larger by `thickness` [m].
+
+    By halving from the springing up.
+    """
+    table = kernel.pack(tuple(piece.grown(thickness) for piece in vault.pieces()), vault.components)
+
+    def beyond(z: Array) -> NDArray[np.bool_]:
+        found: Array = kernel.distances(np.column_stack([xy, z]), IDENTITY, table, kernel.NO_WALLS)
+        return found >= 0
+
+    low, high = np.zeros(len(xy)), np.full(len(xy), vault.top + 2 * thickness + 1.0)
+    while not beyond(high).all():  # an extrados rises more than the thickness where arcs meet at an angle
         high *= 2
     for _ in range(HALVINGS):
         z = (low + high) / 2
-        below = vault.distance(np.column_stack([xy, z])) < depth
-        low, high = np.where(below, z, low), np.where(below, high, z)
+        above = beyond(z)
+        low, high = np.where(above, low, z), np.where(above, z, high)
     return low

@@ -50,7 +50,10 @@ def test_the_view_holds_every_component_on_its_surface(default_vault):
         points = np.column_stack([trace.x, trace.y, trace.z])
         assert np.abs(default_vault.distance(points)).max() < 2e-4
         corners = points[np.column_stack([trace.i, trace.j, trace.k])]
-        assert (default_vault.evaluate(corners.mean(axis=1)).component == k).mean() > 0.95
+        # By area: on a plumb foot of a rib triangles are on it once they are rounded, and as much its other web's.
+        areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        own = default_vault.evaluate(corners.mean(axis=1)).component == k
+        assert areas[own].sum() > 0.99 * areas.sum()
     assert table.cells["values"][0][-1] == list(default_vault.derived_values())[-1].replace("_", " ")
 
 

@@ -14,6 +14,7 @@ from families.declaration.profiles import UNSTILTED
 from families.kinds.rib import Rib
 from families.kinds.umbrella import Umbrella
 from families.solid import brep
+from families.solid.arches import arch_parameters, half_arches
 from families.solid.occ.shapes import faces, inner_points, volume
 from families.void import kernel
 from families.void.profile_outline import half_outline
@@ -115,6 +116,19 @@ def test_the_area_of_a_web_is_that_of_a_half_cylinder_s() -> None:
     vault = Rib(4.0, 4.0, Semicircular(), Semicircular(), Elliptical(2 / np.hypot(4, 4)))
     area = sum(strip.area for part in vault.pieces()[0].parts for strip in strips(part, vault.plan))
     assert area == pytest.approx((pi - 2) * 16, rel=1e-3)
+
+
+def test_umbrella_vaults_are_as_high_as_their_ridges() -> None:
+    for vault in (v for v in VAULTS if isinstance(v, Umbrella)):
+        (row,) = (kernel.pack((Piece((part,)),), vault.components) for part in vault.pieces()[0].parts[:1])
+        along = np.linspace(0, row[0, kernel.DEPTH], 4001)
+        assert vault.top == pytest.approx(kernel.web_heights(along, 0 * along, row).max(), abs=1e-6)
+
+
+def test_a_place_at_the_foot_of_a_level_arch_is_told_from_its_crown() -> None:
+    poles, weights = half_arches(Elliptical(), np.full(3, 1e-6), steep=False)
+    beside = 1.0 + np.array([-1e-10, 0.0, 1e-10])
+    assert arch_parameters(poles, weights, np.column_stack([beside, 0 * beside])) == pytest.approx(1.0, abs=1e-4)
 
 
 def integral(vault: Vault, n: int = 200) -> float:

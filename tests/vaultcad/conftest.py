@@ -3,15 +3,25 @@
 import dataclasses
 from collections.abc import Callable
 from functools import cache
-from math import radians
+from math import nan, radians, sqrt
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from families import FAMILIES, Vault, family
+from families import FAMILIES, Barrel, Groin, Pointed, Sail, Vault, family
 from families.declaration.parameters import derived_declarations
-from vaultcad.model import Component, Deviation, Estimate, FittedVault, Model, Pose
+from vaultcad.model import (
+    Component,
+    Covariance,
+    Deviation,
+    Estimate,
+    FittedArch,
+    FittedVault,
+    Model,
+    Pose,
+    Rival,
+)
 
 IDS = tuple(cls.id for cls in FAMILIES)
 
@@ -62,6 +72,28 @@ def made(name: str) -> Model:
 
 def make(name: str, **changes: object) -> Model:
     return dataclasses.replace(made(name), **changes) if changes else made(name)
+
+
+def arched(beside: tuple[int, int], pose: Pose) -> FittedArch:
+    """A pointed arch between two bays, set out with the fifth point, 0.25 m deep to its south."""
+    barrel = Barrel(span=4.6, length=0.5, profile=Pointed(sqrt(0.55)))
+    names = ("x", "y", "z", "yaw", "span", "rise_ratio")
+    known = fitted(barrel, pose)
+    spread = Covariance(names, np.diag(np.square([0.004, 0.003, 0.002, 0.001, 0.005, 0.001])))
+    rivals = (Rival(1.0, {"profile": "pointed"}, (), {"span": 4.6, "rise": 4.6 * sqrt(0.55)}, 0.0),)
+    fields = {f.name: getattr(known, f.name) for f in dataclasses.fields(known)}
+    fields |= {"covariance": spread, "rivals": rivals, "odds": {"profile": {"pointed": 1.0}}}
+    return FittedArch(**fields, depth=(0.25, nan), beside=beside)
+
+
+@pytest.fixture(scope="session")
+def building() -> Model:
+    """A row of two groin bays with an arch between, and a sail vault over the first of them, in a national grid."""
+    bays = tuple(fitted(Groin(4.6, 5.0), Pose(5.1 * k, 0.0, 3.0, 0.0)) for k in (1, 0))
+    upper = fitted(Sail(4.6, 5.0), Pose(0.1, 0.0, 8.0, 0.0))
+    between = arched((2, 1), Pose(2.55, 0.0, 3.0, radians(90)))
+    origin = np.array([512_000.0, 4_871_000.0, 210.0])
+    return make("groin", vaults=(*bays, upper), arches=(between,), origin=origin, scan=Path("two bays.e57"))
 
 
 @pytest.fixture(scope="session")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from vaultcad.model import Model
 
-SUFFIXES = (".step", ".stp", ".ifc", ".glb", ".wld", ".html", ".json")
+SUFFIXES = (".step", ".stp", ".ifc", ".glb", ".wld", ".dxf", ".html", ".json")
 Thickness = Annotated[
     float | None,
     number_info("thickness", Bounds(0.01, 5, "m", "of the masonry of all vaults, in place of the model's")),
@@ -34,7 +34,7 @@ def export(
     out: Annotated[Path, typer.Option("--out", "-o", help=f"File to write, by its suffix: {', '.join(SUFFIXES)}.")],
     thickness: Thickness = None,
 ) -> None:
-    """Write a fitted model again: STEP, IFC, GLB, the report (html, json), or the world file of CAD.
+    """Write a fitted model again: STEP, IFC, GLB, the plan (dxf), the report (html, json), or the world file of CAD.
 
     Parameters, poses and thickness may have been edited by hand in model.json; the deviations stay those of the fit.
     """
@@ -59,6 +59,6 @@ def export(
 def _writer(out: Path) -> Callable[[Model, Path], None]:
     from vaultcad.export.bundle import WRITERS
 
-    name = {".stp": "model.step", ".html": "report.html", ".json": "report.json"}
+    name = {".stp": "model.step", ".dxf": "plan.dxf", ".html": "report.html", ".json": "report.json"}
     suffix = out.suffix.lower()
     return WRITERS[name.get(suffix, f"model{suffix}")]

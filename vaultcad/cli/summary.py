@@ -2,22 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import typer
 
 from vaultcad.cli.tables import show_table
+from vaultcad.measure.building import building_of
 from vaultcad.model import FLAGS, Estimate, FittedVault, Model, said
 
 
 def show_summary(model: Model, out: Path) -> None:
-    """The vaults of a model, and the files of its folder, on standard output."""
-    for fitted in model.vaults:
-        show_table(("", ""), _rows(fitted, float(model.origin[2])))
+    """The vaults of a model, and the files of its folder, on standard output; a building as a table of its bays."""
+    if len(model.vaults) > 1:
+        _show_building(model)
+    else:
+        show_table(("", ""), _rows(model.vaults[0], float(model.origin[2])))
     if told := _ceiling(model.ceiling):
         typer.echo(told)
     typer.echo(f"{out}: {', '.join(sorted(path.name for path in out.iterdir() if not path.name.startswith('.')))}")
+
+
+def _show_building(model: Model) -> None:
+    """A line a vault in the order of the rows, and one for all arches."""
+    building, up = building_of(model), float(model.origin[2])
+    head = ("no", "bay", "family", "sure", "plan, m", "rise", "springing", "rms, mm")
+    rows = []
+    for k in (k for row in building.rows for k in row):
+        fitted = model.vaults[k - 1]
+        low, high = fitted.vault.plan.box
+        plan = " × ".join(f"{side:.2f}" for side in (high - low).tolist())
+        rise = fitted.vault.derived_values()["rise"]
+        figures = (f"{fitted.confidence:.0%}", plan, f"{rise:.2f}", f"{fitted.pose.z + up:.2f}")
+        name = "{}{}".format(*building.bay(k))
+        rows.append((f"{k}", name, fitted.vault.id, *figures, f"{1000 * fitted.deviation.rms:.1f}"))
+    show_table(head, rows, numbers=(0, 3, 4, 5, 6, 7))
+    if model.arches:
+        typer.echo(f"{_arches(model)}\n")
+
+
+def _arches(model: Model) -> str:
+    """All of them in one line."""
+    kinds = Counter(arch.vault.kinds["profile"] for arch in model.arches)
+    told = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items(), key=lambda one: (-one[1], one[0])))
+    spans = _range([arch.vault.values()["span"] for arch in model.arches], 2)
+    rms = _range([1000 * arch.deviation.rms for arch in model.arches], 1)
+    return f"{len(model.arches)} arch{'es' * (len(model.arches) > 1)}: {told}; spans {spans} m, rms {rms} mm"
+
+
+def _range(values: Sequence[float], decimals: int) -> str:
+    low, high = (f"{value:.{decimals}f}" for value in (min(values), max(values)))
+    return low if low == high else f"{low} to {high}"
 
 
 def _rows(fitted: FittedVault, up: float) -> Iterator[tuple[str, str]]:

@@ -27,22 +27,24 @@ def buildable(model: Placed) -> Placed:
     Where surfaces touch just so that they cannot be, sizes are nudged; arches that all but are semicircles become them.
     A vault that cannot be built even so stays as it is, without a solid.
     """
-    vaults: list[PlacedVault] = []
     notes = list(model.notes)
-    for k, placed in enumerate(model.vaults, 1):
+
+    def built(placed: PlacedVault, which: str) -> PlacedVault:
         thickness = model.thickness_of(placed)
-        built = _built(placed.vault, thickness)
-        which = f" {k}" if len(model.vaults) > 1 else ""
-        if built is None:
-            vaults.append(replace(placed, solid=False))
-            notes.append(Note("unbuilt", f"vault{which}: {refusal(placed.vault, thickness)}; {WITHOUT}"))
-            continue
-        vaults.append(replace(placed, vault=built))
-        if built is not placed.vault:
-            off = 1000 * _apart(placed.vault, built)
-            why = f"off the fitted {built.title}, which cannot be built just so"
-            notes.append(Note("nudged", f"vault{which}: its body is up to {off:.2g} mm {why}"))
-    return replace(model, vaults=tuple(vaults), notes=tuple(notes))
+        vault = _built(placed.vault, thickness)
+        if vault is None:
+            notes.append(Note("unbuilt", f"{which}: {refusal(placed.vault, thickness)}; {WITHOUT}"))
+            return replace(placed, solid=False)
+        if vault is not placed.vault:
+            off = 1000 * _apart(placed.vault, vault)
+            why = f"off the fitted {vault.title}, which cannot be built just so"
+            notes.append(Note("nudged", f"{which}: its body is up to {off:.2g} mm {why}"))
+        return replace(placed, vault=vault)
+
+    several = len(model.vaults) > 1
+    vaults = tuple(built(placed, f"vault {k}" if several else "vault") for k, placed in enumerate(model.vaults, 1))
+    arches = tuple(built(arch, f"arch {k}") for k, arch in enumerate(model.arches, 1))
+    return replace(model, vaults=vaults, arches=arches, notes=tuple(notes))
 
 
 def refusal(vault: Vault, thickness: float) -> str:

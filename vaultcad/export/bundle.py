@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from segmentation.io.whole import writing
 from vaultcad.export.buildable import buildable
+from vaultcad.export.dxf import write_dxf
 from vaultcad.export.folder import REPORT, check_target, replacing_folder
 from vaultcad.export.glb import write_glb
 from vaultcad.export.ifc import write_ifc
@@ -34,6 +35,7 @@ WRITERS: dict[str, Callable[[Model, Path], None]] = {
     "model.ifc": write_ifc,
     "model.glb": write_glb,
     "model.wld": write_world,
+    "plan.dxf": write_dxf,
     MODEL: write_model,
     PAGE: write_report_html,
     REPORT: write_report_json,

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
 from families.drawing.deviation_colours import CONVENTION, UNKNOWN, shades
-from families.drawing.looks import LETTER, OUTSIDE, SLAB
+from families.drawing.looks import OUTSIDE, SLAB
 from families.drawing.section import PLANES, CutPlane, measured
 from families.drawing.sheet import Drawing
 from vaultcad.export.geometry import Body, Floats, bodies, loops, shell
@@ -96,28 +96,6 @@ def section(seen: Seen, plane: CutPlane) -> Drawing:
     return drawing
 
 
-def overview(found: Sequence[Seen]) -> Drawing:
-    """The plans of several vaults where they stand in the scan, in its local frame, with their numbers."""
-    outs = [seen.fitted.pose.placement()[:2] for seen in found]
-    placed = [
-        _flat(seen.vault.plan.outline()) @ out[:, :3].T + out[:, 3] for seen, out in zip(found, outs, strict=True)
-    ]
-    corners = np.concatenate(placed)
-    drawing = Drawing(corners.min(axis=0), corners.max(axis=0), "Plan: components; grey: walls at the springing")
-    for seen, out in zip(found, outs, strict=True):
-        drawing.dots(seen.walls @ out[:, :3].T + out[:, 3], "scan-closer")
-        drawing.dots(seen.points[seen.on] @ out[:, :3].T + out[:, 3], "scan", component_colours(seen))
-        for row in _all_borders(seen):
-            drawing.line(_flat(row) @ out[:, :3].T + out[:, 3], "edge")
-    for k, (seen, out) in enumerate(zip(found, outs, strict=True), 1):
-        up = np.array([0.0, LETTER / 4 * drawing.margin])
-        drawing.text(out[:, 3] + up, f"{k}  {seen.vault.title}", "label")
-        drawing.text(out[:, 3] - up, f"rms {1000 * seen.fitted.deviation.rms:.0f} mm", "label")
-    low, high = drawing.low.tolist(), drawing.high.tolist()
-    drawing.dimension((low[0], low[1] - OUTSIDE * drawing.margin), (high[0], low[1] - OUTSIDE * drawing.margin))
-    return drawing
-
-
 def component_colours(seen: Seen) -> NDArray[np.uint8]:
     """Red, green, blue (m, 3) of the points on the vault, by component."""
     kinds = [colour(k) for k in range(len(seen.vault.components) + 1)]
@@ -188,8 +166,3 @@ def _all_borders(seen: Seen) -> Iterator[Floats]:
 def _edges(drawing: Drawing, seen: Seen) -> None:
     for row in _all_borders(seen):
         drawing.line(row, "edge")
-
-
-def _flat(row: Floats) -> Floats:
-    """Points (n, 2) on the springing, (n, 3)."""
-    return np.column_stack([row, np.zeros(len(row))])

@@ -25,7 +25,7 @@ TOLERANCE = 0.003  # [m] between triangles and the exact surface, below what sca
 BEYOND = 10.0  # [m] by which the prisms that cut reach past the masonry
 NO_VOLUME = 1e-7  # m³; a cube of 5 mm
 ON_EDGE = 1e-6  # [m]
-KEPT = 8  # vaults whose meshes are remembered
+KEPT = 256  # vaults and arches whose meshes are remembered, as all exporters draw those of a whole building
 
 Floats = NDArray[np.float64]
 Triangles = NDArray[np.int32]

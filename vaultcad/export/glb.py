@@ -21,12 +21,16 @@ Y_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype
 
 
 def write_glb(model: Assembly, path: Path) -> None:
-    """Write all vaults; where there are several, nodes begin with their number and label."""
+    """Write vaults and arches; where there are several, nodes begin with their number and label."""
     import trimesh
 
     scene = trimesh.Scene()
-    for k, placed in enumerate(model.vaults, 1):
-        prefix = f"{k} {placed.label}".rstrip() + "/" if len(model.vaults) > 1 else ""
+    several = len(model.vaults) > 1
+    named = [
+        (f"{k} {placed.label}".rstrip() + "/" if several else "", placed) for k, placed in enumerate(model.vaults, 1)
+    ]
+    named += [(f"arch {k} {arch.label}".rstrip() + "/", arch) for k, arch in enumerate(model.arches, 1)]
+    for prefix, placed in named:
         for name, part in _parts(placed, model.thickness_of(placed)):
             scene.add_geometry(part, node_name=prefix + name, geom_name=prefix + name)
     scene.metadata["origin"] = model.origin.tolist()  # becomes the extras of the scene

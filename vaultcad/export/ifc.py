@@ -1,4 +1,4 @@
-"""IFC4: one IfcRoof a vault, made of one IfcSlab a component, with the fitted parameters as properties.
+"""IFC4: one IfcRoof a vault, made of one IfcSlab a component, one IfcMember an arch, one IfcSpace a room.
 
 Components are slabs of type ROOF because that is how IFC decomposes a roof, and what Revit, ArchiCAD and Bonsai show
 and schedule as one; a vault's web has no entity of its own. Bodies are triangulated: exact B-Rep in IFC is read wrong
@@ -7,21 +7,21 @@ by too many programs, and STEP carries it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from segmentation.io.stamp import stamp
 from vaultcad.export.geometry import Body, bodies
+from vaultcad.export.ifc_arch import member, type_members
 from vaultcad.export.ifc_author import Author, Entity
+from vaultcad.export.ifc_places import on_storey, rooms, spatial_structure
+from vaultcad.export.ifc_properties import common, deviation, load_bearing, masonry, parameters
 from vaultcad.export.palette import colour
-from vaultcad.model import Assembly, Component, Deviation, FittedVault, PlacedVault
-
-STATUS = ("NEW", "EXISTING", "DEMOLISH", "TEMPORARY", "OTHER", "NOTKNOWN", "UNSET")  # PEnum_ElementStatus
+from vaultcad.measure.building import Building, building_of
+from vaultcad.model import Assembly, Component, FittedVault, PlacedVault
 
 
 def write_ifc(model: Assembly, path: Path) -> None:
-    """Write all vaults as IFC4, metres and radians, relative to `model.origin`, which is kept as IfcMapConversion.
+    """Write vaults and arches as IFC4, metres and radians, relative to `model.origin`, kept as IfcMapConversion.
 
     GlobalIds follow from `model.identity` and the place of the entity in the file, so that a second run changes no id.
     """
@@ -36,13 +36,36 @@ def write_ifc(model: Assembly, path: Path) -> None:
     )
     if model.origin.any() or model.crs is not None:
         _map(author, model)
-    storey = _spaces(author, project)
-    roofs = [_roof(author, placed, f"vault {k}", storey, model) for k, placed in enumerate(model.vaults, 1)]
-    author.relate(
-        "IfcRelContainedInSpatialStructure", "in storey", ("RelatingStructure", storey), ("RelatedElements", roofs)
-    )
+    building = building_of(model)
+    storeys = spatial_structure(author, project, building)
+    placed_in: list[tuple[Entity, int]] = []  # elements with their storeys
+    for k, placed in enumerate(model.vaults, 1):
+        n = building.storey(k)
+        placed_in.append((_roof(author, placed, f"vault {k}", _name(model, building, k), storeys[n - 1], model), n))
+    roofs = [roof for roof, _ in placed_in]
+    for k, arch in enumerate(model.arches, 1):
+        n = building.storey_of_arch(arch)
+        placed_in.append((member(author, arch, k, storeys[n - 1], model), n))
+    for n, storey in enumerate(storeys, 1):
+        author.relate(
+            "IfcRelContainedInSpatialStructure",
+            "in storey" if n == 1 else f"in storey {n}",
+            ("RelatingStructure", storey),
+            ("RelatedElements", [element for element, of in placed_in if of == n]),
+        )
+    type_members(author, project, [element for element, _ in placed_in[len(roofs) :]])
+    rooms(author, model, building, storeys, roofs)
     # Its own writer stops on a full disk in the middle without a word, and takes no path that is not UTF-8.
     path.write_text(author.text(), encoding="utf-8", newline="\n")
+
+
+def _name(model: Assembly, building: Building, vault: int) -> str:
+    """A vault's label, or the name of its bay if it is not alone."""
+    placed = model.vaults[vault - 1]
+    if placed.label or len(model.vaults) == 1:
+        return placed.label or placed.vault.title.capitalize()
+    row, place = building.bay(vault)
+    return f"Row {row} bay {place}: {placed.vault.title}"
 
 
 def _header(author: Author, model: Assembly) -> None:
@@ -76,26 +99,14 @@ def _map(author: Author, model: Assembly) -> None:
     )
 
 
-def _spaces(author: Author, project: Entity) -> Entity:
-    """Site, building and storey, one in the other; the storey."""
-    parent, place = project, None
-    for kind, name in (("IfcSite", "Site"), ("IfcBuilding", "Building"), ("IfcBuildingStorey", "Storey")):
-        place = author.placed(place)
-        extra: dict[str, Any] = {"Elevation": 0.0} if kind == "IfcBuildingStorey" else {}
-        space = author.root(kind, kind, Name=name, ObjectPlacement=place, CompositionType="ELEMENT", **extra)
-        author.relate("IfcRelAggregates", f"in {kind}", ("RelatingObject", parent), ("RelatedObjects", (space,)))
-        parent = space
-    return parent
-
-
-def _roof(author: Author, placed: PlacedVault, key: str, storey: Entity, model: Assembly) -> Entity:
+def _roof(author: Author, placed: PlacedVault, key: str, name: str, storey: Entity, model: Assembly) -> Entity:
     vault, thickness = placed.vault, model.thickness_of(placed)
     fitted = placed if isinstance(placed, FittedVault) else None  # one that was drawn has no figures
-    place = author.placed(storey.ObjectPlacement, placed.pose.placement())
+    place = on_storey(author, storey, placed)
     roof = author.root(
         "IfcRoof",
         key,
-        Name=placed.label or vault.title.capitalize(),
+        Name=name,
         Description=f"fitted to {model.scan.name}" if fitted else None,
         ObjectType=vault.title,
         ObjectPlacement=place,
@@ -106,12 +117,12 @@ def _roof(author: Author, placed: PlacedVault, key: str, storey: Entity, model: 
     facts = {component.name: component for component in fitted.components} if fitted else {}
     slabs = [_slab(author, key, body, place, facts.get(body.name), thickness) for body in pieces]
     author.relate("IfcRelAggregates", f"{key} of", ("RelatingObject", roof), ("RelatedObjects", slabs))
-    _masonry(author, key, [roof, *slabs], thickness)
+    masonry(author, key, [roof, *slabs], thickness)
 
-    author.properties(roof, "Pset_RoofCommon", _common(author, vault.id))
-    author.properties(roof, "VaultCAD_Parameters", _parameters(author, placed))
+    author.properties(roof, "Pset_RoofCommon", common(author, vault.id))
+    author.properties(roof, "VaultCAD_Parameters", parameters(author, placed))
     if fitted:
-        author.properties(roof, "VaultCAD_Deviation", _deviation(author, fitted.deviation, fitted.coverage))
+        author.properties(roof, "VaultCAD_Deviation", deviation(author, fitted.deviation, fitted.coverage))
     area = sum(body.intrados_area for body in pieces)
     areas = {"GrossArea": (area, "m2"), "NetArea": (area, "m2"), "ProjectedArea": (vault.plan.area, "m2")}
     author.quantities(roof, "Qto_RoofBaseQuantities", areas)
@@ -131,9 +142,9 @@ def _slab(author: Author, key: str, body: Body, place: Entity, component: Compon
         Tag=str(body.id),
         PredefinedType="ROOF",
     )
-    author.properties(slab, "Pset_SlabCommon", [*_common(author, body.name), _load_bearing(author)])
+    author.properties(slab, "Pset_SlabCommon", [*common(author, body.name), load_bearing(author)])
     if component is not None and component.deviation is not None:
-        rows = _deviation(author, component.deviation, component.coverage, component.points)
+        rows = deviation(author, component.deviation, component.coverage, component.points)
         author.properties(slab, "VaultCAD_Deviation", rows)
     author.quantities(
         slab,
@@ -147,60 +158,3 @@ def _slab(author: Author, key: str, body: Body, place: Entity, component: Compon
         },
     )
     return slab
-
-
-def _masonry(author: Author, key: str, elements: list[Entity], thickness: float) -> None:
-    stone = author.make("IfcMaterial", Name="Masonry", Category="stone")
-    layer = author.make("IfcMaterialLayer", Material=stone, LayerThickness=float(thickness), Name="Vault")
-    layers = author.make("IfcMaterialLayerSet", MaterialLayers=(layer,), LayerSetName="Vault masonry")
-    author.relate(
-        "IfcRelAssociatesMaterial", f"{key} masonry", ("RelatingMaterial", layers), ("RelatedObjects", elements)
-    )
-
-
-Row = tuple[str, Entity, str]
-
-
-def _common(author: Author, reference: str) -> list[Row]:
-    return [
-        ("Reference", author.make("IfcIdentifier", reference), ""),
-        ("Status", author.enumerated("Status", "EXISTING", STATUS, "PEnum_ElementStatus"), ""),
-        ("IsExternal", author.value(False), ""),
-    ]
-
-
-def _load_bearing(author: Author) -> Row:
-    return "LoadBearing", author.value(True), ""
-
-
-def _parameters(author: Author, placed: PlacedVault) -> Iterator[Row]:
-    fitted = placed if isinstance(placed, FittedVault) else None
-    yield "family", author.value(placed.vault.id), "id of the vault family"
-    for name, kinds in placed.arches.items():
-        yield name, author.value(kinds), "kind of arch"
-        if fitted and fitted.odds:
-            odds = ", ".join(f"{kind} {chance:.0%}" for kind, chance in fitted.odds[name].items())
-            yield f"{name}_odds", author.value(odds), "how likely each kind is, given how vaults settle"
-    for name, estimate in placed.numbers().items():
-        yield name, author.value(float(estimate.value), estimate.unit), estimate.meaning
-        if estimate.std is not None:
-            meaning = f"standard deviation of {name}"
-            yield f"{name}_std", author.value(float(estimate.std), estimate.unit), meaning
-    if fitted:
-        yield "confidence", author.value(float(fitted.confidence), "share"), "how sure the family is, 0 to 1"
-
-
-def _deviation(author: Author, deviation: Deviation, coverage: float, points: int | None = None) -> Iterator[Row]:
-    if points is not None:
-        yield "points", author.value(int(points)), "points of the scan on this component"
-    for name, meaning in (
-        ("mean", "mean distance of the points to the model"),
-        ("rms", "root mean square of the distances"),
-        ("p95", "95 % of the points lie nearer"),
-        ("max", "largest distance"),
-    ):
-        yield name, author.value(float(getattr(deviation, name)), "m"), meaning
-    for limit, share in sorted(deviation.within.items()):
-        yield f"within_{1000 * limit:g}mm", author.value(float(share), "share"), "share of points not farther"
-    yield "loa", author.value(deviation.loa), "USIBD level of accuracy"
-    yield "coverage", author.value(float(coverage), "share"), "share of the surface with points on it"

@@ -91,6 +91,21 @@ class Author:
         )
         return self.make("IfcProductDefinitionShape", Representations=(shape,))
 
+    def footprint(self, rows: Iterable[NDArray[np.float64]]) -> Entity:
+        """Shape of a place: closed rows of points (n, 3) [m]."""
+        lines = []
+        for row in rows:
+            corners = [self.point(*point) for point in (np.round(row, DECIMALS) + 0.0).tolist()]
+            lines.append(self.make("IfcPolyline", Points=(*corners, corners[0])))
+        shape = self.make(
+            "IfcShapeRepresentation",
+            ContextOfItems=self.footprint_context,
+            RepresentationIdentifier="FootPrint",
+            RepresentationType="GeometricCurveSet",
+            Items=(self.make("IfcGeometricCurveSet", Elements=lines),),
+        )
+        return self.make("IfcProductDefinitionShape", Representations=(shape,))
+
     def value(self, value: bool | int | float | str, unit: str = "1") -> Entity:
         """A typed value: text and truth by themselves, numbers by their unit."""
         match value:
@@ -175,10 +190,14 @@ class Author:
             Precision=1e-6,
             WorldCoordinateSystem=self.axes,
         )
-        self.body_context = self.make(
+        self.body_context = self._context_of("Body", "MODEL_VIEW")
+        self.footprint_context = self._context_of("FootPrint", "PLAN_VIEW")
+
+    def _context_of(self, identifier: str, view: str) -> Entity:
+        return self.make(
             "IfcGeometricRepresentationSubContext",
-            ContextIdentifier="Body",
+            ContextIdentifier=identifier,
             ContextType="Model",
             ParentContext=self.context,
-            TargetView="MODEL_VIEW",
+            TargetView=view,
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from html import escape
 from math import degrees
 from pathlib import Path
@@ -14,19 +14,18 @@ from numpy.typing import NDArray
 from families import family
 from families.drawing.deviation_colours import CONVENTION
 from families.drawing.section import PLANES
-from families.drawing.sheet import Drawing
-from families.drawing.svg import svg
 from vaultcad.export.charts import histogram
 from vaultcad.export.drawing import deviations, plan, section
+from vaultcad.export.page import drawn, html_table, metres, percent, std_of, value_of
 from vaultcad.export.palette import colour
+from vaultcad.export.report_building import building_page
 from vaultcad.export.report_json import in_shown_unit, plain
 from vaultcad.export.report_text import FILES, STYLE, TERMS
 from vaultcad.export.seen import Seen, seen
+from vaultcad.measure.building import building_of
 from vaultcad.model import FLAGS, Component, Deviation, Estimate, FittedVault, Model
 
 SHOWN = 0.02  # chance from which on a kind of arch is shown
-
-Row = Iterable[str]
 
 
 def write_report_html(
@@ -47,35 +46,42 @@ def write_report_html(
         deviation: (n,) their signed distances to the model [m], NaN off the vault, for the histogram.
         vault: (n,) number of the vault that each belongs to, 0 for none; without it all belong to the first.
     """
-    parts = [_vault(one, model) for one in seen(model, points, component, deviation, vault)]
-    title = escape(f"{', '.join(f.vault.title for f in model.vaults)} · {model.scan.name}")
+    found = seen(model, points, component, deviation, vault)
+    several = len(found) > 1
+    building = building_of(model)
+    names = [f"{k} · {building.name(k)}: {one.vault.title}" for k, one in enumerate(found, 1)]
+    heads = names if several else [found[0].vault.title.capitalize()]
+    parts = [_vault(one, model, k, heads[k - 1]) for k, one in enumerate(found, 1)]
+    what = f"{len(found)} vaults" if several else found[0].vault.title
+    title = escape(f"{what} · {model.scan.name}")
     head = (
         f'<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{title}</title><style>{STYLE}</style>"
     )
-    body = "".join(parts) + _notes(model) + _files() + _glossary(model) + _origin(model)
+    whole = building_page(model, building, found) if several or model.arches else ""
+    body = whole + "".join(parts) + _notes(model) + _files() + _glossary(model) + _origin(model)
     path.write_text(f'<!doctype html><html lang="en"><head>{head}</head><body>{body}</body></html>\n', encoding="utf-8")
 
 
-def _vault(one: Seen, model: Model) -> str:
+def _vault(one: Seen, model: Model, number: int, head: str) -> str:
     fitted, vault, d = one.fitted, one.vault, one.fitted.deviation
     across, along = (high - low for low, high in (plane.clear(vault) for plane in PLANES))
     size = f"{across:.2f} × {along:.2f}\u00a0m"
     facts = [
         (size, "plan"),
-        (_length(vault.derived_values().get("rise")), "rise"),
-        (_percent(fitted.confidence), "confidence"),
+        (metres(vault.derived_values().get("rise")), "rise"),
+        (percent(fitted.confidence), "confidence"),
         (f"{100 * d.p95:.1f} cm", "95 % of the points are nearer"),
         (d.loa, "level of accuracy"),
-        (_percent(fitted.coverage), "of the surface scanned"),
+        (percent(fitted.coverage), "of the surface scanned"),
     ]
     figures = "".join(f"<div><b>{escape(value)}</b><span>{escape(label)}</span></div>" for value, label in facts)
     return (
-        f"<header><h1>{escape(vault.title.capitalize())}</h1>"
+        f'<header id="vault-{number}"><h1>{escape(head)}</h1>'
         f'<p class="soft">{escape(model.scan.name)} · {model.points:,} points</p></header>'
         f"{_summary(fitted)}"
         f'<div class="figures">{figures}</div>'
-        f"{_drawings([plan(one), *(section(one, plane) for plane in PLANES)])}"
+        f"{drawn([plan(one), *(section(one, plane) for plane in PLANES)])}"
         f"<section><h2>Deviation</h2>{_deviation(one)}</section>"
         f"<section><h2>Sizes and parameters</h2>{_parameters(fitted, model.origin)}</section>"
         f"<section><h2>Components</h2>{_components(fitted.components)}</section>"
@@ -85,23 +91,14 @@ def _vault(one: Seen, model: Model) -> str:
 def _summary(fitted: FittedVault) -> str:
     d = fitted.deviation
     text = (
-        f"A {fitted.vault.title}, found with a confidence of {_percent(fitted.confidence)}. The stone is "
+        f"A {fitted.vault.title}, found with a confidence of {percent(fitted.confidence)}. The stone is "
         f"{100 * d.mean:.1f} cm from the ideal model on average, and 95 % of it within {100 * d.p95:.1f} cm."
     )
-    others = [f"{family(name).title} {_percent(score)}" for name, score in fitted.alternatives[:3] if score >= 0.001]
+    others = [f"{family(name).title} {percent(score)}" for name, score in fitted.alternatives[:3] if score >= 0.001]
     more = f"<p>Next likeliest: {escape(', '.join(others))}.</p>" if others else ""
     if not fitted.converged:
         more += '<p class="warning">The fit had not come to rest when it was stopped: take the figures with care.</p>'
     return f'<p class="lead">{escape(text)}</p>{more}'
-
-
-def _drawings(drawings: Iterable[Drawing]) -> str:
-    figures = "".join(
-        f'<figure style="flex-grow:{drawing.size[0]:.2f}">{svg(drawing)}'
-        f"<figcaption>{escape(drawing.title)}</figcaption></figure>"
-        for drawing in drawings
-    )
-    return f'<div class="drawings">{figures}</div>'
 
 
 def _deviation(one: Seen) -> str:
@@ -117,8 +114,8 @@ def _deviation(one: Seen) -> str:
         caption = f"Distances of the vault's points to the ideal model: {CONVENTION}"
         chart = histogram(one.deviation[one.on], one.limit)
         shown = f"<figure>{chart}<figcaption>{escape(caption)}</figcaption></figure>"
-        shown += f"<div class='map'>{_drawings([deviations(one)])}</div>"
-    return f"{_table(head, cells, numbers=slice(1, 5), long=(0,))}<p></p>{shown}"
+        shown += f"<div class='map'>{drawn([deviations(one)])}</div>"
+    return f"{html_table(head, cells, numbers=slice(1, 5), long=(0,))}<p></p>{shown}"
 
 
 def _parameters(fitted: FittedVault, origin: NDArray[np.float64]) -> str:
@@ -155,9 +152,9 @@ def _rivals(fitted: FittedVault, up: float) -> str:
         arches = ", ".join(f"{name.replace('_', ' ')} {kind}" for name, kind in rival.profiles.items())
         held = ", ".join(rival.constraints)
         z = fitted.pose.z + rival.springing + up
-        cells = [_percent(rival.chance), escape("; ".join(filter(None, (arches, held)))), _length(rival.sizes["rise"])]
+        cells = [percent(rival.chance), escape("; ".join(filter(None, (arches, held)))), metres(rival.sizes["rise"])]
         rows.append([*cells, f"{z:.2f} m"])
-    table = _table(["chance", "built with", "rise", "springing"], rows, numbers=slice(2, 4), long=(1,))
+    table = html_table(["chance", "built with", "rise", "springing"], rows, numbers=slice(2, 4), long=(1,))
     return (
         f"<p></p>{table}<p class='soft'>"
         "Vaults settle by more than some arches differ: these are likely too, each with the sizes that it had before "
@@ -176,9 +173,9 @@ def _estimates(kind: str, estimates: Mapping[str, Estimate]) -> str:
     cells = []
     for name, e in ((name, in_shown_unit(estimate)) for name, estimate in estimates.items()):
         meaning = escape("; ".join([e.meaning, *(FLAGS[flag][1] for flag in e.flags)]))
-        seen = "–" if e.seen is None else _percent(e.seen)
-        cells.append([f"<b>{escape(name.replace('_', ' '))}</b>", _value(e), f"{_std(e)} {e.marks}", seen, meaning])
-    return _table([kind, "value", "±", "seen", "meaning"], cells, numbers=slice(1, 4), long=(0, 4)) if cells else ""
+        seen = "–" if e.seen is None else percent(e.seen)
+        cells.append([f"<b>{escape(name.replace('_', ' '))}</b>", value_of(e), f"{std_of(e)} {e.marks}", seen, meaning])
+    return html_table([kind, "value", "±", "seen", "meaning"], cells, numbers=slice(1, 4), long=(0, 4)) if cells else ""
 
 
 def _components(components: Iterable[Component]) -> str:
@@ -186,9 +183,9 @@ def _components(components: Iterable[Component]) -> str:
     for c in components:
         swatch = f'<span class="swatch" style="background:{colour(c.id).hex}"></span>{escape(c.name.replace("_", " "))}'
         cells = ["–"] * 5 if c.deviation is None else list(_deviation_cells(c.deviation))
-        rows.append([f"{c.id}", swatch, f"{c.points:,}", _percent(c.coverage), *cells])
+        rows.append([f"{c.id}", swatch, f"{c.points:,}", percent(c.coverage), *cells])
     head = ["id", "component", "points", "coverage", "mean", "RMS", "95 %", "max", "LOA"]
-    return _table(head, rows, numbers=slice(2, 8))
+    return html_table(head, rows, numbers=slice(2, 8))
 
 
 def _deviation_cells(d: Deviation) -> tuple[str, ...]:
@@ -231,50 +228,5 @@ def _plainly(value: Any) -> str:
     return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
-def _table(head: Row, rows: Iterable[Row], numbers: slice, long: Container[int] = ()) -> str:
-    """A table of cells that are HTML already; the columns `numbers` stand to the right.
-
-    Each cell knows the title of its column: on a narrow screen rows are laid out as blocks, where those of `long`
-    columns take a whole line.
-    """
-    titles = [escape(title) for title in head]
-    right = range(len(titles))[numbers]
-    classes = ["n" if k in right else "long" if k in long else "" for k in range(len(titles))]
-    columns = list(zip(classes, titles, strict=True))
-
-    def row(cells: Row) -> str:
-        told = zip(columns, cells, strict=True)
-        return "".join(f'<td class="{name}" data-title="{title}">{text}</td>' for (name, title), text in told)
-
-    top = "".join(f'<th class="{name}">{title}</th>' for name, title in columns)
-    body = "".join(f"<tr>{row(cells)}</tr>" for cells in rows)
-    return f'<div class="wide"><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>'
-
-
-def _value(e: Estimate) -> str:
-    unit = "°" if e.unit == "deg" else f" {e.unit}" if e.unit != "1" else ""
-    return f"{e.value:.{0 if e.value == int(e.value) and not unit else 3}f}{escape(unit)}"
-
-
-def _std(e: Estimate) -> str:
-    match e.std, e.unit:
-        case None, _:
-            return "–"
-        case float(std), "m":
-            return f"{1000 * std:.1f} mm"
-        case std, "deg":
-            return f"{std:.3f}°"
-        case std, _:
-            return f"{std:.4f}"
-
-
 def _share(value: float) -> str:
-    return f'<span class="bar" style="width:{3.2 * value:.2f}em"></span> {_percent(value)}'
-
-
-def _percent(value: float) -> str:
-    return f"{100 * value:.1f} %"
-
-
-def _length(value: float | None) -> str:
-    return "–" if value is None else f"{value:.2f} m"
+    return f'<span class="bar" style="width:{3.2 * value:.2f}em"></span> {percent(value)}'

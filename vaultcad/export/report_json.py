@@ -16,10 +16,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.units import unit_of
-from vaultcad.model import Component, Covariance, Deviation, Estimate, FittedPier, FittedVault, Model, Pose, Rival
+from vaultcad.measure.arcs import arcs_of, springing_of
+from vaultcad.measure.building import Building, building_of, letters
+from vaultcad.measure.setting_out import RULES, setting_out
+from vaultcad.model import (
+    Component,
+    Covariance,
+    Deviation,
+    Estimate,
+    FittedArch,
+    FittedPier,
+    FittedVault,
+    Model,
+    Pose,
+    Rival,
+)
 
 SCHEMA = 1
 DECIMALS = 6  # of metres and of shares: a micrometre, well below what any scan can tell
+SLIGHT = 0.001  # chance of a rule below which it goes without saying
 SHOWN_AS = {"rad": ("deg", degrees)}  # units that people do not read, and what is written in their place
 
 
@@ -28,6 +43,7 @@ def report(model: Model, *, correlations: bool = False) -> dict[str, Any]:
 
     With `correlations` each vault has those of pose and fitted parameters.
     """
+    building = building_of(model)
     return {
         "schema": SCHEMA,
         "scan": {
@@ -42,7 +58,19 @@ def report(model: Model, *, correlations: bool = False) -> dict[str, Any]:
         "versions": dict(sorted(model.versions.items())),
         "thickness": _number(model.thickness),
         "notes": [note._asdict() for note in model.notes],
-        "vaults": [_vault(fitted, model) | (_correlations(fitted) if correlations else {}) for fitted in model.vaults],
+        "vaults": [
+            _vault(fitted, model) | _bay(building, k) | (_correlations(fitted) if correlations else {})
+            for k, fitted in enumerate(model.vaults, 1)
+        ],
+        "arches": [arch(one, k, model) for k, one in enumerate(model.arches, 1)],
+        "building": {
+            "rows": {letters(k): list(row) for k, row in enumerate(building.rows)},
+            "rooms": [list(room) for room in building.rooms],
+            "storeys": [
+                {"floor": _number(floor + float(model.origin[2])), "vaults": list(storey)}
+                for floor, storey in zip(building.floors, building.storeys, strict=True)
+            ],
+        },
         "ceiling": {name: _number(area) for name, area in model.ceiling.items()},  # m²
         "piers": [_pier(pier, model.origin) for pier in model.piers],
     }
@@ -80,6 +108,56 @@ def plain(value: Any) -> Any:
             return str(value)
 
 
+def _bay(building: Building, vault: int) -> dict[str, Any]:
+    """Where a vault stands among the others."""
+    row, place = building.bay(vault)
+    return {"bay": {"row": row, "number": place, "room": building.room(vault), "storey": building.storey(vault)}}
+
+
+def arch(one: FittedArch, number: int, model: Model) -> dict[str, Any]:
+    """An arch; heights and places in the coordinates of the pose [m], depth and neighbours south and north of it."""
+    up = float(model.origin[2])
+    south, north = one.depth
+    rules = {rule.name: rule.says for rule in RULES}
+    return {
+        "id": number,
+        "family": one.kind,
+        "between": [beside or None for beside in one.beside],
+        "profile": one.vault.kinds["profile"],
+        "profile_odds": _odds(one.odds.get("profile", {})),
+        "span": _estimate(one.parameters["span"]),
+        "rise": _estimate(one.parameters["rise"]),
+        "springing": _raised(springing_of(one), up),
+        "width": _estimate(one.parameters["length"]),
+        "thickness": _number(model.thickness_of(one)),
+        "depth": {"south": _number(south), "north": _number(north)},
+        "arcs": [
+            {"radius": _estimate(arc.radius), "across": _estimate(arc.across), "height": _raised(arc.height, up)}
+            for arc in arcs_of(one)
+        ],
+        "setting_out": [
+            {"rule": name, "chance": _number(chance), "says": rules.get(name, "")}
+            for name, chance in setting_out(one).items()
+            if chance >= SLIGHT
+        ],
+        "pose": _pose(one.pose, one.covariance, model.origin),
+        "points": sum(c.points for c in one.components),
+        "confidence": _number(one.confidence),
+        "converged": one.converged,
+        "deviation": _deviation(one.deviation),
+        "coverage": _number(one.coverage),
+        "tolerance": _number(round(one.tolerance, 4)),
+    }
+
+
+def _raised(estimate: Estimate, by: float) -> dict[str, Any]:
+    return _estimate(dataclasses.replace(estimate, value=estimate.value + by))
+
+
+def _odds(odds: Mapping[str, float]) -> dict[str, float | None]:
+    return {kind: _number(chance) for kind, chance in odds.items()}
+
+
 def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
     origin = model.origin
     return {
@@ -90,9 +168,7 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "pose": _pose(fitted.pose, fitted.covariance, origin),
         "corners": _corners(fitted, origin),
         "profiles": fitted.vault.kinds,
-        "profile_odds": {
-            name: {kind: _number(chance) for kind, chance in odds.items()} for name, odds in fitted.odds.items()
-        },
+        "profile_odds": {name: _odds(odds) for name, odds in fitted.odds.items()},
         "rivals": [_rival(rival, fitted, origin) for rival in fitted.rivals],
         "parameters": {name: _estimate(value) for name, value in fitted.parameters.items()},
         "components": [_component(c) for c in fitted.components],

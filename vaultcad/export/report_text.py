@@ -29,6 +29,7 @@ FILES: tuple[tuple[str, str], ...] = (
     ("model.step", "exact solids for CAD: FreeCAD, Rhino, CATIA"),
     ("model.ifc", "IFC4 for BIM; in Revit link it"),
     ("model.glb", "coloured mesh for any 3D viewer"),
+    ("plan.dxf", "plan for CAD, in metres: outlines, projected groins, arches, numbers, heights"),
     ("model.wld", "world file: where the coordinates of model.step lie in those of the scan"),
     ("segments.laz", "every point with its component and its deviation: CloudCompare, ReCap"),
     ("report.json", "all figures of this page for programs"),
@@ -58,6 +59,8 @@ figure { margin: 0; background: var(--card); border: 1px solid var(--line); bord
 .drawings figure { flex: 1 1 0; min-width: 0; max-width: 34rem; }
 @media (max-width: 44rem) { .drawings { display: block; } .drawings figure { max-width: none; margin-bottom: 1rem; } }
 .map { max-width: 24rem; margin-top: 1rem; }
+.plans .drawings { display: block; } .plans figure { max-width: none; margin-bottom: 1rem; }
+header ~ header { border-top: 2px solid var(--line); margin-top: 3rem; padding-top: 1.5rem; }
 figcaption { font-size: .85rem; margin-top: .3rem; }
 svg { display: block; width: 100%; height: auto; max-height: 34rem; }
 .chart text { font-size: 11px; fill: var(--soft); text-anchor: middle; }
@@ -86,5 +89,6 @@ dt { font-weight: 600; } dd { margin: 0; color: var(--soft); overflow-wrap: anyw
 a { color: var(--accent); }
 .swatch, .bar, .drawing, .chart rect { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 @media print { body { padding: 0; max-width: none; font-size: 11pt; background: none; } .wide { overflow: visible; }
-  section, figure, table, .figures { break-inside: avoid; } h2 { break-after: avoid; } }
+  section, figure, table, .figures { break-inside: avoid; } h2 { break-after: avoid; }
+  header ~ header { break-before: page; } }
 """

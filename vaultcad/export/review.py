@@ -1,12 +1,13 @@
 """review.png: one picture from which a person sees whether a fit is right.
 
 For each vault a plan with its components, a map of deviations, both sections through the crown with the scan's points,
-and its sizes with their standard deviations. Several vaults of one scan first stand together in one plan, then one
-below the other.
+and its sizes with their standard deviations. Several vaults of one scan first stand together in plans of the building,
+by family and by deviation, then one below the other.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,8 @@ from families.drawing.looks import INK, PAPER
 from families.drawing.png import paint
 from families.drawing.section import PLANES
 from families.drawing.sheet import Drawing
-from vaultcad.export.drawing import deviations, overview, plan, section
+from vaultcad.export.building_plan import building_plans
+from vaultcad.export.drawing import deviations, plan, section
 from vaultcad.export.palette import colour
 from vaultcad.export.report_json import in_shown_unit
 from vaultcad.export.seen import Seen, seen
@@ -79,10 +81,11 @@ def draw_review(
     found = seen(model, points, component, deviation, vault)
     several = len(found) > 1
     panels = [_drawings(one) for one in found]
-    heights = [OVERVIEW * several, *map(_height, found, panels)]
+    plans = list(building_plans(model, found)) if several else []
+    heights = [HEAD * several + OVERVIEW * len(plans) / 2, *map(_height, found, panels)]
     figure = Figure(figsize=(WIDE, sum(heights)), facecolor=PAPER)
     if several:
-        _overview(ReviewSheet(figure, 0.0, OVERVIEW), model.scan.name, found)
+        _overview(ReviewSheet(figure, 0.0, heights[0]), model, plans)
     for k, (one, drawings) in enumerate(zip(found, panels, strict=True), 1):
         sheet = ReviewSheet(figure, sum(heights[:k]), heights[k])
         _title(sheet, one.fitted, f"{k}  " if several else "", model.scan.name)
@@ -184,8 +187,13 @@ def _estimate(estimate: Estimate) -> tuple[str, str]:
     return f"{e.value:.3f} m" if length else f"{e.value:.2f}°", " ".join([std, *e.flags]).strip()
 
 
-def _overview(sheet: ReviewSheet, scan: str, found: list[Seen]) -> None:
-    """The plans of all vaults where they stand in the scan, in its local frame."""
-    sheet.text(MARGIN, 0.5, f"{len(found)} vaults", size=20, weight="bold")
-    sheet.text(MARGIN, 0.78, scan)
-    paint(sheet.axes(MARGIN, HEAD - 0.3, WIDE - 2 * MARGIN, OVERVIEW - HEAD), overview(found))
+def _overview(sheet: ReviewSheet, model: Model, plans: Sequence[Drawing]) -> None:
+    """The plans of the building, those of a storey beside each other, in the scan's local frame."""
+    arches = f", {len(model.arches)} arches" if model.arches else ""
+    sheet.text(MARGIN, 0.5, f"{len(model.vaults)} vaults{arches}", size=20, weight="bold")
+    sheet.text(MARGIN, 0.78, model.scan.name)
+    wide = (WIDE - 2 * MARGIN - GAP) / 2
+    for k, drawing in enumerate(plans):
+        row, column = divmod(k, 2)
+        left, top = MARGIN + column * (wide + GAP), HEAD + row * OVERVIEW
+        paint(sheet.axes(left, top, wide, OVERVIEW - GAP), drawing)

@@ -31,11 +31,12 @@ SETTINGS = {"write.step.schema": "AP214IS", "write.step.unit": "MM"}
 
 
 def write_step(model: Assembly, path: Path) -> None:
-    """Write an assembly named after the scan, of one solid a vault, placed by its pose relative to `model.origin`.
+    """Write an assembly named after the scan, of one solid a vault or arch, placed by its pose relative to the origin.
 
     Raises:
         ExportError: no vault has a solid, or the translator failed.
     """
+    parts = [(name, placed) for name, placed in _named(model) if placed.solid]
     if not any(placed.solid for placed in model.vaults):
         raise ExportError(f"{path.name}: no vault has a solid that could be written as STEP")
     from OCP.IFSelect import IFSelect_RetDone
@@ -50,10 +51,7 @@ def write_step(model: Assembly, path: Path) -> None:
     assembly = shapes.NewShape()
     names = [model.scan.stem]
     _name(assembly, _stand_in(0))
-    for k, placed in enumerate(model.vaults, 1):
-        if not placed.solid:
-            continue
-        name = placed.label or (f"{k} {placed.vault.title}" if len(model.vaults) > 1 else placed.vault.title)
+    for name, placed in parts:
         part = _part(shapes, document.Main(), placed, model.thickness_of(placed), _stand_in(len(names)))
         _name(shapes.AddComponent(assembly, part, _location(placed.pose)), _stand_in(len(names)))
         names.append(name)
@@ -78,6 +76,15 @@ def write_step(model: Assembly, path: Path) -> None:
         raise ExportError(f"{path.name} could not be written as STEP; is there space left in {path.parent}?")
     tidied = _tidied(text, model.place, model.versions.get("vaultcad", ""), names)
     path.write_text(tidied, encoding="ascii", newline="\n")
+
+
+def _named(model: Assembly) -> Iterator[tuple[str, PlacedVault]]:
+    """Vaults and arches by the names of their parts."""
+    for k, placed in enumerate(model.vaults, 1):
+        title = placed.vault.title
+        yield placed.label or (f"{k} {title}" if len(model.vaults) > 1 else title), placed
+    for k, arch in enumerate(model.arches, 1):
+        yield arch.label or f"arch {k}", arch
 
 
 def _part(shapes: XCAFDoc_ShapeTool, main: TDF_Label, placed: PlacedVault, thickness: float, name: str) -> TDF_Label:

@@ -24,6 +24,8 @@ def starts(family: type[Vault], site: Site, demands: Demands = NONE) -> Iterator
     """
     lowest = -np.inf if SPRINGING.name in demands.freed else site.bottom - 0.5
     for ground in site.grounds.get(family.stands_over, ()):
+        if not min(ground.footprint.span_x, ground.footprint.span_y) > 0:
+            continue
         for over, yaw in _ways(family, ground, demands):
             for vault in _suited(_possible(family.first_guesses(over)), demands):
                 z = demands.pose.get("z", site.crown - vault.top)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -21,7 +22,8 @@ BAND = 4.0  # that band in scatters of the fit
 class Found:
     """One vault of a scan. hypotheses: the most likely first. tolerance: of the band its points lie in [m].
 
-    choices: of arches and constraints; with the first it is refined.
+    choices: of arches and constraints; with the first it is refined. shared: mean and standard deviation of the sizes
+    that are those of its row [m].
     """
 
     site: Site
@@ -29,6 +31,7 @@ class Found:
     refined: Refined
     tolerance: float
     choices: tuple[Choice, ...] = ()
+    shared: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def placed(self) -> Placed:

@@ -16,6 +16,7 @@ from vaultcad.find.found import Found, likeliest_of, tolerance_of
 from vaultcad.find.no_vault import check
 from vaultcad.find.recognise import recognise
 from vaultcad.find.refine import refine
+from vaultcad.find.rows import learned
 from vaultcad.fit.freedom import NONE, Demands
 from vaultcad.fit.label import label
 from vaultcad.processes import spread
@@ -96,7 +97,7 @@ def find_vaults(
     if not vaults:
         raise refusals[0]
     _check_share(vaults, ceilings)
-    return Findings(tuple(vaults), tuple(arches), parting.hung)
+    return Findings(learned(vaults, demands), tuple(arches), parting.hung)
 
 
 def _check_share(vaults: Sequence[Found], ceilings: Sequence[Ceiling]) -> None:

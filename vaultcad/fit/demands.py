@@ -10,7 +10,7 @@ from math import inf, isfinite, pi
 from families import Vault, profile
 from families.declaration.constraints import Constraint
 from families.declaration.parameters import Range, derived_declarations
-from vaultcad.fit.freedom import RECTANGLE, SPRINGING, Demands, decides
+from vaultcad.fit.freedom import BAYS, RECTANGLE, SPRINGING, Demands, decides
 
 PLACE = {
     "x": Range(-inf, inf, "m", "middle of the plan, in the scan's coordinates"),
@@ -93,4 +93,4 @@ def sizes_of(cls: type[Vault]) -> dict[str, Range]:
 
 def constraints_of(cls: type[Vault]) -> tuple[Constraint, ...]:
     """All constraints of a family that can be let go."""
-    return (SPRINGING, *((RECTANGLE,) if cls.four_corners else ()), *cls.constraints)
+    return (SPRINGING, BAYS, *((RECTANGLE,) if cls.four_corners else ()), *cls.constraints)

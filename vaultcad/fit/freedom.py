@@ -16,6 +16,8 @@ SPRINGING = Constraint("springing", "the springing is no lower than the lowest s
 """A constraint that all families share, as it is about the pose."""
 RECTANGLE = Constraint("rectangle", "the plan is a rectangle; else its four corners are free", rare=True)
 """One that all families share whose plan has four corners. It holds no parameter: without it there are more of them."""
+BAYS = Constraint("bays", "equal bays of a row share their arches, sizes and springing where the scan allows it")
+"""One that is about several vaults."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,7 @@ class Demands:
         own, lengths, sizes = vault.values(), decides(type(vault)), self.of(type(vault))
         values = {name: value for name, value in sizes.items() if name in own}
         made = [name for name in lengths if name in sizes and name not in own]
-        ties: list[Tie] = [_made(name, sizes[name]) for name in made]
+        ties: list[Tie] = [_Made(name, sizes[name]) for name in made]
         taken = {*values, *(lengths[name] for name in made)}
         for constraint in kept:
             decided = constraint.holds(vault)
@@ -141,21 +143,23 @@ def decides(family: type[Vault]) -> Mapping[str, str]:
     return {**family.ratios, **family.held}
 
 
-def _made(name: str, length: float) -> Tie:
-    """The parameter that makes a derived length as given [m], or as near as can be with the other sizes."""
+@dataclass(frozen=True)
+class _Made:
+    """The tie that makes a derived length as given [m], or as near as can be with the other sizes."""
 
-    def tie(vault: Vault) -> Mapping[str, float]:
+    name: str
+    length: float
+
+    def __call__(self, vault: Vault) -> Mapping[str, float]:
         from scipy.optimize import brentq
 
-        ratio = decides(type(vault))[name]
+        ratio = decides(type(vault))[self.name]
         limits = next(p.range for p in vault.parameters() if p.name == ratio)
 
         def miss(value: float) -> float:
-            return vault.replaced({ratio: value}).derived_values()[name] - length
+            return vault.replaced({ratio: value}).derived_values()[self.name] - self.length
 
         ends = [(limits.low, miss(limits.low)), (limits.high, miss(limits.high))]
         if ends[0][1] * ends[1][1] > 0:
             return {ratio: min(ends, key=lambda end: abs(end[1]))[0]}
         return {ratio: brentq(miss, limits.low, limits.high, xtol=1e-13)}
-
-    return tie

@@ -21,7 +21,8 @@ Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 CELL = 0.1, 1.5  # m and spacings; edge of the plan's cells, at least
-TOUCH = 0.25  # m between two patches of one ceiling in plan at most
+TOUCH, DRUM = 0.25, 0.45  # m between two patches of one ceiling in plan at most; where a drum lifts one of them
+PENDENTIVE = 0.6  # m² in plan of what hangs under a drum, and of the dome on it, at least
 CONTACT = 15  # pairs of cells, one of either patch, that touch: a few where only corners do
 LEVEL = 0.8  # m between two patches in height where they touch, of one ceiling before drums are looked for
 OVER = 0.3  # share of the lesser patch's plan from which on it hangs over or under another
@@ -135,19 +136,17 @@ class _Plan:
 
     def ceilings(self, soffits: tuple[Soffit, ...]) -> Ints:
         """(count,) the ceiling of each patch; soffits part them, and so do the piers at their ends."""
-        a, b = self._touching(soffits)
-        level = np.abs(self.height[a] - self.height[b]) < LEVEL
         number = np.arange(self.patches.count)
-        for near in (level, ~level):  # drums lift what is one with the ceiling about it, but storeys lie over others
-            number = self._linked(number, a[near], b[near])
+        for reach, lifted in ((TOUCH, False), (DRUM, True)):
+            number = self._linked(number, *self._touching(soffits, reach), lifted=lifted)
         return number
 
-    def _touching(self, soffits: tuple[Soffit, ...]) -> tuple[Ints, Ints]:
-        """Pairs of cells (n,), (n,) of two patches next to each other, or one over the other, and no soffit between."""
+    def _touching(self, soffits: tuple[Soffit, ...], reach: float) -> tuple[Ints, Ints]:
+        """Pairs of cells (n,), (n,) of two patches, no farther than that in plan [m], and no soffit between them."""
         from scipy.spatial import cKDTree
 
         places = self.grid.places(self.column)
-        a, b = cKDTree(places).query_pairs(TOUCH, output_type="ndarray").T
+        a, b = cKDTree(places).query_pairs(reach, output_type="ndarray").T
         other = self.patch[a] != self.patch[b]
         a, b = a[other], b[other]
         middle = np.column_stack([(places[a] + places[b]) / 2, np.minimum(self.height[a], self.height[b])])
@@ -155,19 +154,34 @@ class _Plan:
         free = np.broadcast_to(free, len(a))
         return a[free], b[free]
 
-    def _linked(self, number: Ints, a: Ints, b: Ints) -> Ints:
-        """(count,) new numbers of groups that were numbered: of those that touch much, and do not lie over, one."""
+    def _linked(self, number: Ints, a: Ints, b: Ints, *, lifted: bool) -> Ints:
+        """(count,) new numbers of groups that were numbered: of those that touch much, and do not lie over, one.
+
+        lifted: whether one of them has to be above all of the other, as a dome on a drum; else they touch in height.
+        """
         group = number[self.patch]
-        pair = np.sort(np.column_stack([group[a], group[b]]), axis=1)
-        links, touching = np.unique(pair[pair[:, 0] != pair[:, 1]], axis=0, return_counts=True)
-        columns = {int(k): set(self.column[group == k].tolist()) for k in np.unique(links)}
+        near = (group[a] != group[b]) & ((np.abs(self.height[a] - self.height[b]) < LEVEL) | lifted)
+        pair = np.sort(np.column_stack([group[a[near]], group[b[near]]]), axis=1)
+        links, touching = np.unique(pair, axis=0, return_counts=True)
+        columns = {int(k): set(self.column[group == k].tolist()) for k in np.unique(group)}
         for k in np.argsort(-touching, kind="stable"):
+            if lifted and not self._lifts(group, *links[k].tolist()):
+                continue
             i, j = sorted((int(number[links[k, 0]]), int(number[links[k, 1]])))
             lesser = min(len(columns[i]), len(columns[j]))
             if i != j and touching[k] >= min(CONTACT, lesser) and len(columns[i] & columns[j]) < OVER * lesser:
                 columns[i] |= columns[j]
                 number = np.where(number == j, i, number)
         return number
+
+    def _lifts(self, group: Ints, one: int, other: int) -> bool:
+        """Whether one of two groups is above all of the other, and over no ceiling, as a storey would be."""
+        upper, lower = sorted((one, other), key=lambda k: -float(self.height[group == k].max()))
+        bottom = float(self.height[group == upper].min())
+        mine = self.column[group == upper]
+        below = np.isin(mine, self.column[(group != upper) & (self.height < bottom)])
+        large = min(len(mine), int((group == lower).sum())) * self.grid.cell**2 > PENDENTIVE
+        return large and bottom > float(self.height[group == lower].max()) and float(below.mean()) < OVER
 
     def parts(self, ceilings: list[Mask], soffits: tuple[Soffit, ...]) -> list[Part]:
         """The part of each ceiling, told by masks (count,) of patches: where it is the nearest one of its storey."""

@@ -30,7 +30,7 @@ BESIDE = 0.6  # m beyond the edges of a soffit where the ceilings beside it are 
 HIGHER, ALONG = 0.04, 0.3  # m that a ceiling is above the soffit beside it; share of its length along which it must be
 SOFFIT = 0.03  # m; points so near a soffit's curve are its own
 EDGE = 0.01, 0.15  # share of its points beyond its edge; m that the edge is beyond its patch at most
-STRIP, FEWEST = 0.25, 3  # m along a soffit in which its edges are measured, and in how many
+STRIP, ENOUGH, FEWEST = 0.25, 30, 3  # m along a soffit in which its edges are measured, points there, and how often
 SEEN = 0.1, 0.9  # quantiles of those edges
 NEAR = 0.2  # m, cells of the plan in which its points are looked up
 
@@ -166,10 +166,10 @@ def _measured(soffit: Soffit, points: NDArray[np.floating]) -> Soffit:
     along, across = along[on], across[on]
     strip = np.floor(along / STRIP).astype(np.int64)
     strips = [across[strip == k] for k in np.unique(strip)]
-    edges = np.array([np.quantile(part, [EDGE[0], 1 - EDGE[0]]) for part in strips if len(part) > 2 / EDGE[0]])
+    edges = np.array([np.quantile(part, [EDGE[0], 1 - EDGE[0]]) for part in strips if len(part) > ENOUGH])
     if len(edges) < FEWEST:
         return soffit
-    middles = np.array([k for k in np.unique(strip) if (strip == k).sum() > 2 / EDGE[0]]) * STRIP + STRIP / 2
+    middles = np.array([k for k in np.unique(strip) if (strip == k).sum() > ENOUGH]) * STRIP + STRIP / 2
     turn, shift = np.polyfit(middles, edges.mean(axis=1), 1)
     # Where the scanner did not see to the edge, it is farther out.
     low, high = np.quantile(edges - (shift + turn * middles)[:, None], SEEN, axis=0).diagonal()

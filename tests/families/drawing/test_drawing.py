@@ -10,7 +10,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from families import Annular, Barrel, Cloister, Groin
+from families import Annular, Barrel, Cloister, Groin, Rib
 from families.declaration.corners import Skew
 from families.declaration.palette import Colour, colour
 from families.drawing.deviation_colours import LIMITS, STOPS, UNKNOWN, limit_of, shade, shades, signed_mm
@@ -136,11 +136,13 @@ def test_the_outlines_of_sections_are_the_intrados_over_its_walls(any_vault):
             assert np.abs(any_vault.plan.distance(points[[0, -1], :2])).max() < 1e-9
             assert (line[[0, -1], 1] == 0).all()
         reach = np.concatenate([line for line, _ in found])
-        top = any_vault.derived_values()["rise"] + (2 if across else 1) * any_vault.lift
+        top = any_vault.top - (0 if across else any_vault.lift)  # a ramp has climbed half its way there
         if (np.abs(any_vault.corners) == any_vault.plan.half).all():  # a rectangle
             assert (reach[0, 0], reach[-1, 0]) == pytest.approx((low[across], high[across]))
             if share == 0:
-                assert reach[:, 1].max() == pytest.approx(top, rel=1e-3)
+                arches = (any_vault.rise_y, any_vault.rise_x) if isinstance(any_vault, Rib) else None
+                crown = max(any_vault.rise, arches[across]) if arches else top
+                assert reach[:, 1].max() == pytest.approx(crown, rel=1e-3)
         tops.append(reach[:, 1].max() - top)
     if not getattr(any_vault, "splay", 0):  # else arches beside the middle are larger
         assert max(tops) == pytest.approx(0, abs=1e-3 * high[0])

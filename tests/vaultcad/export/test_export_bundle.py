@@ -19,6 +19,7 @@ NAMES = {
     "model.ifc",
     "model.glb",
     "model.wld",
+    "plan.dxf",
     "segments.laz",
 }
 

@@ -65,7 +65,7 @@ def test_several_vaults_stand_in_one_plan_and_each_has_its_drawings(make_model):
     assert "2 vaults" in said
     assert "1  Barrel vault" in said
     assert "2  Sail vault" in said
-    assert len(figure.axes) == 1 + 2 * 4  # the plan of all; plan, map and two sections of each
+    assert len(figure.axes) == 2 + 2 * 4  # the plans of all; plan, map and two sections of each
 
 
 def test_the_map_is_open_where_the_scan_saw_nothing_and_grey_behind(make_model):

@@ -15,7 +15,8 @@ from families.drawing.deviation_colours import limit_of, shade
 from families.drawing.png import paint
 from families.drawing.section import PLANES
 from families.drawing.svg import svg
-from vaultcad.export.drawing import deviations, overview, plan, section
+from vaultcad.export.building_plan import building_plans
+from vaultcad.export.drawing import deviations, plan, section
 from vaultcad.export.glb import write_glb
 from vaultcad.export.report_html import write_report_html
 from vaultcad.export.review import draw_review
@@ -125,7 +126,13 @@ def test_every_family_is_drawn_by_both_back_ends(every_family):
         model = type(every_family)(**{**vars(every_family), "vaults": (fitted,)})
         (vault,) = seen(model, points, component, np.full(len(points), 0.004))
         sections = [section(vault, plane) for plane in PLANES]
-        for drawing in (plan(vault), plan(vault, scanned=True), deviations(vault), *sections, overview([vault])):
+        for drawing in (
+            plan(vault),
+            plan(vault, scanned=True),
+            deviations(vault),
+            *sections,
+            *building_plans(model, [vault]),
+        ):
             assert svg(drawing).startswith("<svg")
             axes = Figure().add_subplot()
             paint(axes, drawing)

@@ -118,7 +118,8 @@ def _under(
             f"the arch {told} has no room: span {2 * half:.2f} m, rise {rise:.2f} m, thickness {thickness:g} m, "
             f"springing {place.z - floor:.2f} m above the floor; take a smaller thickness or move the bays"
         )
-    curve = np.concatenate([[[-half, 0.0]], np.maximum(edge, 0.0), [[half, 0.0]]])
+    over = np.column_stack([edge[:, 0], np.maximum(edge[:, 1], 0.0)])
+    curve = np.concatenate([[[-half, 0.0]], over, [[half, 0.0]]])
     size = np.array([half, rise])
     beyond = curve * (1 + BURIED / size)
     return Arch(place, width, thickness, floor, curve * (1 - thickness / size), beyond, (floor, floor), blind)

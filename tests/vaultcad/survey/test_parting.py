@@ -1,0 +1,99 @@
+"""Scans of whole buildings, parted: ceilings, soffits of arches, storeys."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from families import Conch, Dome, Groin, Sail, Segmental, Semicircular, Vault
+from segmentation.cloud import Cloud
+from vaultcad.fit.label import ArchBand, label
+from vaultcad.fit.solve import Placed
+from vaultcad.model import Pose
+from vaultcad.scanner import ScannerSettings
+from vaultcad.scanner.building import Bay, Building, BuildingScan, Place, scan_building
+from vaultcad.scanner.building.rows import beside, in_row
+from vaultcad.survey.parting import Parting, parted
+from vaultcad.survey.thinned_scan import Thin, thin_scan
+
+NAVE = Groin(4, 3.5, Semicircular(), Segmental(0.4))
+SETTINGS = ScannerSettings(points=150_000, stations=4, noise=0.002, settlement=0.01, mixed=0, registration_shift=0)
+
+
+def nave(vault: Vault = NAVE, bays: int = 2, z: float = 3.0) -> tuple[Bay, ...]:
+    return tuple(Bay(vault, place) for place in in_row([vault] * bays, Place(0, 0, z, 0.2), 0.5))
+
+
+@cache
+def surveyed(name: str) -> tuple[BuildingScan, Thin, Parting]:
+    bays = nave()
+    conch = Conch(1.6)
+    buildings = {
+        "nave and apse": (*bays, Bay(conch, beside(NAVE, bays[-1].place, "north", conch, 0.4, enter="1"))),
+        "two storeys": (*nave(Sail(4, 4)), *(replace(bay, floor=5.5) for bay in nave(Sail(4, 4), z=8.0))),
+        "dome on a drum": (Bay(Dome(), Place(0, 0, 4.0, 0.3)),),
+    }
+    scan = scan_building(Building(name, buildings[name], settings=SETTINGS), rng=np.random.default_rng(3))
+    xyz = scan.xyz.astype(np.float32)
+    thin = thin_scan(Cloud(xyz))
+    return scan, thin, parted(thin, xyz)
+
+
+def owners(name: str) -> list[int]:
+    """The vault that each ceiling hangs on, by its number in the truth; all but none of its points are another's."""
+    from scipy.spatial import cKDTree
+
+    scan, _, parting = surveyed(name)
+    tree, found = cKDTree(scan.xyz), []
+    for ceiling in parting.ceilings:
+        vault = scan.vault[tree.query(ceiling.points)[1]]
+        counts = np.bincount(vault[vault > 0])
+        assert counts.max() > 0.98 * counts.sum()
+        found.append(int(counts.argmax()))
+    return sorted(found)
+
+
+@pytest.mark.parametrize(("name", "vaults"), [("nave and apse", 3), ("two storeys", 4), ("dome on a drum", 1)])
+def test_each_vault_is_a_ceiling_of_its_own(name: str, vaults: int) -> None:
+    assert owners(name) == list(range(1, vaults + 1))
+
+
+def test_a_drum_does_not_part_what_hangs_under_it_from_its_dome() -> None:
+    _, _, parting = surveyed("dome on a drum")
+    assert not parting.is_parted
+
+
+def test_soffits_are_where_the_arches_are() -> None:
+    scan, _, parting = surveyed("nave and apse")
+    assert len(parting.soffits) == len(scan.case["arches"]) == 2
+    for told in scan.case["arches"]:
+        place = np.array(told["place"][:2]) - scan.origin[:2]
+        soffit = min(parting.soffits, key=lambda soffit: float(np.linalg.norm(soffit.place - place)))
+        assert soffit.place == pytest.approx(place, abs=0.03)
+        assert soffit.width == pytest.approx(told["width"], abs=0.02)
+        assert abs(np.sin(soffit.yaw - np.radians(told["yaw_deg"]))) < 0.02
+
+
+def test_the_points_of_a_part_are_its_vaults_and_walls_and_no_arches() -> None:
+    scan, thin, parting = surveyed("nave and apse")
+    for ceiling in parting.ceilings:
+        own = ceiling.part.holds(scan.xyz)
+        numbers = np.bincount(scan.vault[own], minlength=2)[1:]
+        assert numbers.max() > 0.97 * numbers.sum()
+        assert numbers.max() > 0.97 * (scan.vault == numbers.argmax() + 1).sum()
+        assert (scan.arch[own] > 0).mean() < 0.02
+        assert len(ceiling.part.thinned(thin).points) < len(thin.points)
+
+
+def test_points_on_the_faces_of_an_arch_are_its_own_as_deep_as_it_is() -> None:
+    from families import Barrel
+
+    band = ArchBand(Placed(Barrel(4.0, 0.5), Pose(0, 0, 3, 0)), 0.03, np.array([0.2, np.nan]))
+    soffit, south, north = (0.0, 0.1, 5.0), (0.0, -0.25, 5.1), (0.0, 0.25, 5.1)
+    deeper, beside_it = (0.0, -0.25, 5.3), (0.0, -0.4, 5.0)
+    labels = label(np.array([soffit, south, north, deeper, beside_it]), [], [band])
+    assert labels.arch.tolist() == [1, 1, 0, 0, 0]
+    assert labels.vault.tolist() == [0] * 5
