@@ -70,8 +70,8 @@ def _fitted(section: Section, shaft: Shaft, springings: Array, stds: Array) -> F
     weight = 1 / np.maximum(stds[capital], LEAST) ** 2
     weight /= weight.sum()
     top = float(weight @ springings[capital])
-    # What one of them misses, its neighbours miss too: their mean is no surer than they are.
-    above = float(weight @ (stds[capital] ** 2 + (springings[capital] - top) ** 2))
+    # What one of them misses, its neighbours miss too: their mean is no surer than the surest.
+    above = float(stds[capital].min() ** 2 + weight @ (springings[capital] - top) ** 2)
     foot, below = float(shaft.floor.mean()), float(shaft.floor.var() / INDEPENDENT)
 
     names = ("x", "y", "z", "yaw", *section.names[2 + ("yaw" in section.names) :], "height")
