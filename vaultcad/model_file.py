@@ -22,6 +22,7 @@ from vaultcad.model import (
     Deviation,
     Estimate,
     FittedArch,
+    FittedPier,
     FittedVault,
     Model,
     PlacedVault,
@@ -79,6 +80,8 @@ def plain_model(model: Model) -> dict[str, Any]:
         "notes": [note._asdict() for note in model.notes],
         "vaults": [plain_vault(fitted) for fitted in model.vaults],
         "arches": [plain_arch(arch) for arch in model.arches],
+        "piers": [_plain_pier(pier) for pier in model.piers],
+        "ceiling": dict(model.ceiling),
     }
 
 
@@ -86,8 +89,7 @@ def plain_vault(fitted: FittedVault) -> dict[str, Any]:
     """A fitted vault as plain values: what `Vault.plain` tells, its pose [m, rad], and what else was found."""
     whole = asdict(replace(fitted, covariance=None))
     if fitted.covariance is not None:
-        names, matrix = fitted.covariance.names, fitted.covariance.matrix.tolist()
-        whole["covariance"] = {"names": names, "matrix": matrix}
+        whole["covariance"] = _plain_covariance(fitted.covariance)
     found = {name: whole[name] for name in ("pose", *DECODERS)}
     told: dict[str, Any] = finite(
         {**fitted.vault.plain(), "title": fitted.vault.title, **found, "estimates": whole["parameters"]}
@@ -98,6 +100,15 @@ def plain_vault(fitted: FittedVault) -> dict[str, Any]:
 def plain_arch(arch: FittedArch) -> dict[str, Any]:
     """A fitted arch likewise, with its depths and what is beside it."""
     return plain_vault(arch) | {"depth": finite(arch.depth), "beside": list(arch.beside)}
+
+
+def _plain_pier(pier: FittedPier) -> dict[str, Any]:
+    told: dict[str, Any] = finite(asdict(pier) | {"covariance": _plain_covariance(pier.covariance)})
+    return told
+
+
+def _plain_covariance(covariance: Covariance) -> dict[str, Any]:
+    return {"names": covariance.names, "matrix": covariance.matrix.tolist()}
 
 
 def placed_vault(told: Mapping[str, Any]) -> PlacedVault:
@@ -175,12 +186,22 @@ def _model(told: Mapping[str, Any]) -> Model:
         origin=_origin(told["origin"]),
         vaults=tuple(map(fitted_vault, told["vaults"])),
         arches=tuple(map(fitted_arch, arches)),
+        piers=tuple(map(_pier, told.get("piers", []))),
+        ceiling=told.get("ceiling", {}),
         thickness=thickness("thickness", told["thickness"]),
         settings=told["settings"],
         versions=told["versions"],
         unit=_number("unit", told["unit"]),
         crs=None if crs is None else Crs(**crs),
         notes=tuple(notes),
+    )
+
+
+def _pier(told: Mapping[str, Any]) -> FittedPier:
+    covariance = Covariance(tuple(told["covariance"]["names"]), np.array(told["covariance"]["matrix"], np.float64))
+    sizes = {name: _estimate(plain) for name, plain in told["parameters"].items()}
+    return FittedPier(
+        told["plan"], _pose(told["pose"]), sizes, int(told["points"]), _measured(told["deviation"]), covariance
     )
 
 
@@ -214,12 +235,16 @@ def _estimates(vault: Vault, told: Mapping[str, Any]) -> dict[str, Estimate]:
     own = {**vault.values(), **vault.derived_values()}
     found: dict[str, Estimate] = {}
     for name, plain in told.items():
-        fields: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in plain.items()}
-        estimate = Estimate(**fields)
+        estimate = _estimate(plain)
         if name in own and abs(own[name] - estimate.value) > SAME:
             estimate = replace(estimate, value=own[name], std=None, flags=())
         found[name] = estimate
     return found
+
+
+def _estimate(told: Mapping[str, Any]) -> Estimate:
+    fields: dict[str, Any] = {key: tuple(v) if isinstance(v, list) else v for key, v in told.items()}
+    return Estimate(**fields)
 
 
 def _deviation(told: Mapping[str, Any] | None) -> Deviation | None:

@@ -10,7 +10,7 @@ from families import FAMILIES, Groin, Pointed, Vault, family
 from families.declaration.corners import Skew
 from vaultcad.errors import ModelFileError
 from vaultcad.export.report_json import report
-from vaultcad.model import Covariance, PlacedVault, Rival
+from vaultcad.model import Covariance, Estimate, FittedPier, PlacedVault, Pose, Rival
 from vaultcad.model_file import placed_vault, plain_model, plain_vault, read_model, write_model
 
 VAULTS = {cls.id: cls() for cls in FAMILIES} | {
@@ -90,6 +90,20 @@ def test_what_was_found_is_whole(model, tmp_path):
     assert replace(again, covariance=None) == replace(fitted, covariance=None)
     assert again.covariance.names == fitted.covariance.names
     np.testing.assert_array_equal(again.covariance.matrix, fitted.covariance.matrix)
+
+
+def test_piers_and_the_account_of_the_ceiling_come_back(make_model, tmp_path):
+    (vault,) = make_model("barrel").vaults
+    sizes = {"diameter": Estimate(0.5, "m", 0.004, "of the shaft"), "height": Estimate(3.0, "m", 0.01)}
+    covariance = Covariance(("x", "y", "z", "yaw", *sizes), np.diag([4e-6, 4e-6, 1e-6, 0.0, 1.6e-5, 1e-4]))
+    pier = FittedPier("round", Pose(1.0, 2.0, 0.5, 0.0), sizes, 800, vault.deviation, covariance)
+    write_model(make_model("barrel", piers=(pier,), ceiling={"area": 9.0, "vault": 9.0}), tmp_path / "model.json")
+    read = read_model(tmp_path / "model.json")
+    (again,) = read.piers
+    assert replace(again, covariance=covariance) == pier
+    assert again.covariance.names == covariance.names
+    assert np.array_equal(again.covariance.matrix, covariance.matrix)
+    assert read.ceiling == {"area": 9.0, "vault": 9.0}
 
 
 def test_an_edit_is_in_all_numbers_and_said(model, tmp_path):

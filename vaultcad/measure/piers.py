@@ -68,7 +68,10 @@ def _fitted(section: Section, shaft: Shaft, springings: Array, stds: Array) -> F
     lowest = springings[(springings + SURE * stds).argmin()]  # no guess tells
     capital = np.abs(springings - lowest) < LEVEL + SURE * stds
     weight = 1 / np.maximum(stds[capital], LEAST) ** 2
-    top, above = float(weight @ springings[capital] / weight.sum()), float(1 / weight.sum())
+    weight /= weight.sum()
+    top = float(weight @ springings[capital])
+    # What one of them misses, its neighbours miss too: their mean is no surer than the surest.
+    above = float(stds[capital].min() ** 2 + weight @ (springings[capital] - top) ** 2)
     foot, below = float(shaft.floor.mean()), float(shaft.floor.var() / INDEPENDENT)
 
     names = ("x", "y", "z", "yaw", *section.names[2 + ("yaw" in section.names) :], "height")

@@ -47,26 +47,28 @@ def shafts_under(supports: Array, thin: Thin) -> Iterator[Shaft]:
 
     Supports near each other stand on one pier, which ends at the lowest of them.
     """
-    from scipy.spatial import cKDTree
-
     upright = thin.only(np.abs(thin.normals[:, 2]) < STEEP)
     level = thin.points[np.abs(thin.normals[:, 2]) > FLOOR_NORMAL]
     if not len(upright.points) or not len(level):
         return
-    trees = cKDTree(upright.points[:, :2]), cKDTree(level[:, :2])
     for group in _groups(supports):
         lowest = supports[group[supports[group, 2].argmin()]]
-        standing, lying = (np.sort(tree.query_ball_point(lowest[:2], WINDOW)) for tree in trees)
-        floor = _floor(level[lying.astype(np.int64), 2], lowest[2])
+        floor = _floor(level[_about(level, lowest), 2], lowest[2])
         if floor is None:
             continue
         height = lowest[2] - floor.mean()
         low, upper, reached, high = floor.mean() + height * np.array([BODY[0], UPPER, REACHED[1], BODY[1]])
-        body = standing.astype(np.int64)
+        (body,) = np.nonzero(_about(upright.points, lowest))
         body = body[(upright.points[body, 2] > low) & (upright.points[body, 2] < high)]
         body = body[_free(upright.points[body], lowest[:2], (upper, high), thin.spacing)]
         if len(body) >= FEWEST and np.quantile(upright.points[body, 2], REACHED[0]) > reached:
             yield Shaft(group, upright.points[body], upright.normals[body], upright.counts[body], floor)
+
+
+def _about(points: Array, place: Array) -> Mask:
+    """Which points (n, 3) are within the window about a place (3,) [m]."""
+    found: Mask = (np.abs(points[:, 0] - place[0]) < WINDOW) & (np.abs(points[:, 1] - place[1]) < WINDOW)
+    return found
 
 
 def _groups(supports: Array) -> list[NDArray[np.int64]]:

@@ -50,7 +50,7 @@ def test_a_column_reaches_to_the_springing_that_is_known(column, vault):
     assert pier.plan == "round"
     assert pier.size == pytest.approx((DIAMETER, DIAMETER, 2.9), abs=0.005)
     assert (pier.pose.x, pier.pose.y, pier.pose.z) == pytest.approx((0.0, 0.0, 0.1), abs=0.003)
-    assert pier.parameters["height"].std == pytest.approx(0.005, abs=0.001)
+    assert 0.005 <= pier.parameters["height"].std < 0.007
     assert pier.deviation.rms < 0.003
     assert pier.points > 500
 
