@@ -99,3 +99,11 @@ def test_how_sure_pose_and_parameters_are_is_told(make_model, tmp_path):
     assert vault["correlations"]["names"] == ["x", "y", "z", "yaw", "span_x"]
     assert vault["correlations"]["matrix"][0] == [1, 0, 0, 0, -0.25]
     assert "correlations" not in report(model)["vaults"][0]
+
+
+def test_a_doubt_is_told_with_its_reason(make_model):
+    model = make_model("dome")
+    assert report(model)["vaults"][0]["doubt"] is None
+    doubted = dataclasses.replace(model.vaults[0], doubt="the stone is 3.0 cm off it")
+    assert report(dataclasses.replace(model, vaults=(doubted,)))["vaults"][0]["doubt"] == "the stone is 3.0 cm off it"
+    assert doubted.unlike.endswith("nearest is a dome on drum and pendentives, but the stone is 3.0 cm off it.")
