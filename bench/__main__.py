@@ -17,6 +17,7 @@ from bench import (
     regressions,
     rooms,
     shapes,
+    strangers,
     tables,
     uncertainty,
     workbench,
@@ -31,6 +32,7 @@ BENCHMARKS = {
     "rooms": rooms.run,
     "buildings": buildings.run,
     "barren": barren.run,
+    "strangers": strangers.run,
     "profiles": profiles.run,
     "limits": limits.run,
     "defaults": defaults.run,
@@ -49,7 +51,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--write", action="store_true", help=f"put the figures into docs/{measured.PAGE.name}")
     parser.add_argument("--seeds", type=int, default=3, help="seeds of each ideal cloud (shapes), default 3")
     parser.add_argument("--points", type=int, default=1_000_000, help="points of a cloud, default 1000000")
-    for module in (cost, peers, rooms, buildings, barren, profiles, limits, defaults, uncertainty):
+    for module in (cost, peers, rooms, buildings, barren, strangers, profiles, limits, defaults, uncertainty):
         module.options(parser)
     chosen = parser.parse_args(arguments)
     unknown = sorted(set(chosen.names) - set(BENCHMARKS))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -24,6 +24,7 @@ from bench.figures import Figure, Table, count, iou, label, number, processor, s
 from families import FAMILIES, Vault, family
 from segmentation import compare, read
 from vaultcad.errors import VaultcadError
+from vaultcad.model import FittedVault
 from vaultcad.pipeline import fit_scan
 from vaultcad.scanner import ScannerSettings, VirtualScan, draw, scan, write_scan
 
@@ -60,6 +61,7 @@ class Outcome:
     """What became of one room. refusal: why there is no vault; the rest is of the vault that holds most of the truth.
 
     mean_iou, least_iou: of its components. deviation: mean over its points [m]. vaults: how many were found.
+    share: of the likelihood among the families.
     """
 
     seed: int
@@ -72,6 +74,7 @@ class Outcome:
     least_iou: float = 0.0
     deviation: float = 0.0
     confidence: float = 0.0
+    share: float = 0.0
     seconds: float = 0.0
 
     @property
@@ -109,12 +112,9 @@ def run(chosen: argparse.Namespace) -> Iterator[Table]:
     ids = [family.id for family in FAMILIES]
     confusion = (label("family"), *map(number, [*ids, "refused"]), iou("IoU", 3))
     yield Table("families", "rows true, columns found", settings, confusion, _confusion(outcomes, families, ids))
-    found = [o for o in outcomes if o.found]
-    if found:
-        said, right = np.array([o.confidence for o in found]), np.array([o.right for o in found])
-        brier = f"Brier's score {np.mean((said - right) ** 2):.4f}; always saying the mean gives {right.var():.4f}"
-        curve = binned(said, right, BINS)
-        yield Table("confidence", "does the confidence hold?", settings, CURVE, curve, [brier])
+    if found := [o for o in outcomes if o.found]:
+        said = [(o.confidence, o.share, o.right) for o in found]
+        yield reliability("confidence", "does the confidence hold?", settings, said)
 
 
 def names(told: str) -> tuple[str, ...]:
@@ -157,6 +157,7 @@ def one(k: int, points: int, first: int, families: Sequence[str]) -> Outcome:
         least_iou=judged.least_iou,
         deviation=fitted.deviation.mean,
         confidence=fitted.confidence,
+        share=share_of(fitted),
         seconds=seconds,
     )
 
@@ -197,6 +198,24 @@ def _confusion(outcomes: Sequence[Outcome], drawn: Sequence[str], ids: Sequence[
         mine = [o for o in outcomes if o.true == name]
         counts = [sum(o.found == other for o in mine) for other in [*ids, ""]]
         yield name, *counts, float(np.mean([o.mean_iou for o in mine])) if mine else None
+
+
+def share_of(fitted: FittedVault) -> float:
+    """How likely its family is if it is one of those that were tried: what is said without a look at the misfit."""
+    return fitted.confidence / (fitted.confidence + sum(score for _, score in fitted.alternatives))
+
+
+def reliability(
+    name: str, title: str, settings: Mapping[str, Figure], told: Sequence[tuple[float, float, bool]]
+) -> Table:
+    """Curve of the confidence and Brier's score.
+
+    told: of each vault what was said, its share of the likelihood among the families, and whether it was right.
+    """
+    said, shares, right = (np.array(column) for column in zip(*told, strict=True))
+    brier, among = (float(np.mean((stated - right) ** 2)) for stated in (said, shares))
+    note = f"Brier's score {brier:.4f}; with the shares among the families {among:.4f}, with the mean {right.var():.4f}"
+    return Table(name, title, settings, CURVE, binned(said, right, BINS), [note])
 
 
 def binned(said: NDArray[np.float64], right: NDArray[np.bool_], bins: Sequence[float]) -> Iterator[tuple[Figure, ...]]:

@@ -36,7 +36,7 @@ def starts(family: type[Vault], site: Site, demands: Demands = NONE) -> Iterator
 
 def _possible(grid: Iterator[Vault]) -> Iterator[Vault]:
     """The grid, or nothing where the plan is smaller or larger than the family's may be."""
-    with suppress(ValueError):
+    with suppress(ValueError, ZeroDivisionError):
         yield from grid
 
 

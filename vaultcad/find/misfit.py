@@ -50,7 +50,8 @@ def _prior(strength: float, spread: float, roughness: float, rough_spread: float
 
 LEFT_BY_THE_RIGHT = _prior(0.004, 0.7, 0.0018, 0.5)
 LEFT_BY_A_WRONG_ONE = _prior(0.015, 0.8, 0.005, 0.7)
-"""Of 28 and 21 virtual rooms (29 November 2026), settled by up to 5 cm, fitted with their family and without it."""
+"""From 26 and 21 virtual rooms (29 November 2026), settled by up to 5 cm, fitted with their family and without it;
+`python -m bench strangers` tries others."""
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,8 @@ MISSED = 0.01
 of 164 virtual rooms (seeds 5000 to 5069 and 5100 to 5197, 23 November 2026) was about the likeliest; on others it is
 checked by `python -m bench rooms`."""
 HOPELESS = 2.5  # a family whose cost is this much above the best one's is not refined
-RIVAL = 25.0  # on the score: between families as close as that, those with several arches are begun from each kind
+RIVAL = 15.0  # on the score: families as close as that are begun again from arches of each kind, if they have several
+WIDER = 0.03  # m, least scale of the loss that then tells them apart
 
 
 @dataclass(frozen=True)
@@ -88,9 +89,10 @@ def recognise(
     fitted = [judge.within(placed, 0.0 if vain else inf) for placed, vain in zip(simple, hopeless, strict=True)]
     nearest = min((h.cost for h in fitted), default=inf)
     fitted += [judge.within(placed, nearest) for placed in supple]
-    if _rivals(fitted) and (others := [placed for h in fitted for placed in _other_arches(h, site, some, demands)]):
+    if others := [placed for h in _rivals(fitted) for placed in _other_arches(h, site, some, demands)]:
         # Stone that no hypothesis was near to, as the feet of another arch, said nothing so far.
-        judge = _Judge(Evidence.draw(site, 3000, rng, demands, about=[*hopeful, *others]), max(scale, 0.03), demands)
+        wider = Evidence.draw(site, 3000, rng, demands, about=[*hopeful, *others])
+        judge = _Judge(wider, max(scale, WIDER), demands)
         fitted = [judge.of(h.solution.placed, h.kept) for h in fitted] + [judge.within(p, inf) for p in others]
     met = [h for h in fitted if h.score < inf]
     if not met:
@@ -114,10 +116,11 @@ def confidence(hypotheses: Sequence[Hypothesis], strange: float = 0.0) -> list[f
     return [(1 - strange) * ((1 - MISSED) * value / sum(raw) + MISSED / len(raw)) for value in raw]
 
 
-def _rivals(fitted: Sequence[Hypothesis]) -> bool:
-    """Whether two families are so close that a better fit of either may decide."""
-    scores = sorted(h.score for h in fitted)
-    return len(scores) > 1 and scores[1] < scores[0] + RIVAL
+def _rivals(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """Those that are so close that a better fit of one may decide; none if one is far ahead."""
+    best = min(h.score for h in fitted)
+    close = [h for h in fitted if h.score < best + RIVAL]
+    return close if len(close) > 1 else []
 
 
 def _begun(

@@ -113,3 +113,11 @@ def test_piers_and_the_ceiling_are_told_in_the_coordinates_of_the_scan(make_mode
     assert row["pose"]["std"] == {"x": 0.002, "y": 0.002, "z": 0.001, "yaw_deg": None}
     assert row["parameters"]["height"] == {"value": 3.0, "unit": "m", "std": 0.004}
     assert told["ceiling"] == {"area": 9.0, "vault": 9.0}
+
+
+def test_a_doubt_is_told_with_its_reason(make_model):
+    model = make_model("dome")
+    assert report(model)["vaults"][0]["doubt"] is None
+    doubted = dataclasses.replace(model.vaults[0], doubt="the stone is 3.0 cm off it")
+    assert report(dataclasses.replace(model, vaults=(doubted,)))["vaults"][0]["doubt"] == "the stone is 3.0 cm off it"
+    assert doubted.unlike.endswith("nearest is a dome on drum and pendentives, but the stone is 3.0 cm off it.")

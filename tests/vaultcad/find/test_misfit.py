@@ -1,0 +1,62 @@
+"""What speaks against the best model: an octagon seen as a circle is of none of the families that were tried."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from families import Barrel, Cloister, Rotunda, Semicircular, Vault
+from vaultcad.errors import NoVaultError
+from vaultcad.find.misfit import FITS, REFUSED, Misfit, refuse_strangers
+from vaultcad.find.refine import Refined, settled
+from vaultcad.fit.evidence import Evidence
+from vaultcad.fit.solve import Placed
+from vaultcad.model import Pose
+
+SETTLED = 0.012  # m, along each axis
+OCTAGON = Cloister(8, 3.0, Semicircular())
+
+
+def fitted(vault: Vault, start: Vault) -> Refined:
+    """A family fitted to a vault that has settled in long waves."""
+    rng = np.random.default_rng(3)
+    sample = vault.sample(6_000, rng)
+    xyz = sample.xyz + SETTLED * np.sin(sample.xyz[:, [1, 2, 0]] * np.pi / vault.plan.width)
+    xyz += rng.normal(0, 0.003, xyz.shape)
+    kept = [c for c in start.constraints if c.rare]
+    return settled(Placed(start, Pose(0, 0, 0, 0)), kept, Evidence(xyz, np.ones(len(xyz)), -1.0), 0.02)
+
+
+@pytest.fixture(scope="module")
+def octagon_as_circle() -> Misfit:
+    return Misfit.of(fitted(OCTAGON, Rotunda(3.1)))
+
+
+def test_settlement_and_noise_are_no_misfit() -> None:
+    for vault in (Barrel(4.0, 6.0), OCTAGON):
+        misfit = Misfit.of(fitted(vault, vault))
+        assert misfit.chance < 0.05
+        assert misfit.reason == ""
+
+
+def test_an_octagon_seen_as_a_circle_is_a_stranger_in_eight_waves(octagon_as_circle: Misfit) -> None:
+    assert octagon_as_circle.chance > 0.9
+    assert octagon_as_circle.waves == 8
+    assert "cm off it in 8 waves round the axis, more than settlement explains" in octagon_as_circle.reason
+
+
+def test_a_stranger_is_refused_with_the_nearest_and_the_reason(octagon_as_circle: Misfit) -> None:
+    refuse_strangers(FITS, "dome")
+    refuse_strangers(replace(octagon_as_circle, chance=REFUSED), "dome")
+    with pytest.raises(NoVaultError, match=r"none of these families: nearest is a dome, but .* 8 waves"):
+        refuse_strangers(replace(octagon_as_circle, chance=1.0), "dome")
+
+
+def test_few_points_say_nothing() -> None:
+    few = fitted(Barrel(4.0, 6.0), Barrel(4.0, 6.0))
+    points = few.points[:30]
+    evidence = replace(few.evidence, points=points, weights=few.evidence.weights[:30])
+    solution = replace(few.solution, residuals=np.full(30, 0.1))
+    assert Misfit.of(replace(few, evidence=evidence, solution=solution)) == FITS
