@@ -101,10 +101,10 @@ class Sail(Vault):
         return cls(span, span * rng.uniform(0.85, 1.2), rng.uniform(0.35, 1))
 
     def contradiction(self, points: NDArray[np.float64], own: NDArray[np.float64], tolerance: float) -> str:
-        """Its sphere goes on beyond its rectangle, as a dome's does over a round plan."""
+        """Its sphere goes on beyond its plan, as a dome's does over a round plan."""
         centre = self.rise - self.radius
-        beyond = (np.abs(points[:, :2]) > self.plan.half + tolerance).any(axis=1) & (points[:, 2] > centre)
-        off = np.abs(np.linalg.norm(points - [0.0, 0.0, centre], axis=1) - self.radius)
+        beyond = (self.plan.distance(points[:, :2]) > tolerance) & (points[:, 2] > centre)
+        off = np.abs(np.linalg.norm(points - [*self._centre, centre], axis=1) - self.radius)
         if (beyond & (off < tolerance)).sum() <= ROUND * len(own):
             return ""
         return (

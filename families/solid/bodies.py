@@ -228,6 +228,10 @@ class Void:
                     found.append(here)
         return found
 
+    def goes_on(self, x: float, y: float) -> bool:
+        """Whether none of the bodies of a piece bounds it over a place, as webs do not beyond their walls."""
+        return any(all(body.roof(x, y) is NOTHING for body in bodies) for bodies in self.bodies)
+
     def foot(self, *, inside: bool) -> float:
         """The height [m] from which the body stands, inside the plan or not."""
         return FLOOR if inside else min(piece.foot for piece in self.pieces if piece.foot is not None)

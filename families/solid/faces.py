@@ -288,13 +288,17 @@ class Faces:
     def _outside(self, piece: Piece, sides: Sides) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """The roofs of the void beyond a side, and the pieces to which they belong."""
         assert self.beyond is not None
-        x, y = self._middle(piece)
-        nx, ny = self._right(piece[0], x, y)
-        step = OUTSIDE if sides.left >= 0 else -OUTSIDE
-        pieces = self.beyond.over(x + step * nx, y + step * ny)
+        pieces = self.beyond.over(*self._beside(piece, sides))
         rows = [self.outer.number(roof) for roofs in pieces for roof in roofs]
         owners = [k for k, roofs in enumerate(pieces) for _ in roofs]
         return np.array(rows, np.int64), np.array(owners, np.int64)
+
+    def _beside(self, piece: Piece, sides: Sides) -> Vector:
+        """A place just beyond a side."""
+        x, y = self._middle(piece)
+        nx, ny = self._right(piece[0], x, y)
+        step = OUTSIDE if sides.left >= 0 else -OUTSIDE
+        return x + step * nx, y + step * ny
 
     def _right(self, number: int, x: float, y: float) -> Vector:
         """Unit vector to the right of a way at a place."""
@@ -360,7 +364,7 @@ class Faces:
 
     def _strips(self, piece: Piece, sides: Sides, foot: Step, top: Step) -> Iterator[tuple[Step, Step, bool]]:
         """A side parted by height: as high as the void goes on it is the plan's, above it is the void's own wall."""
-        if self.beyond is None:
+        if self.beyond is None or self.beyond.goes_on(*self._beside(piece, sides)):
             yield foot, top, False
             return
         rows, owners = self._outside(piece, sides)

@@ -28,8 +28,8 @@ def result(make_model):
     local = np.concatenate([moved, np.random.default_rng(2).uniform([-2, -2, -1], [2, 2, -1], (400, 3))])
     out = fitted.pose.placement()
     on = np.arange(len(local)) < len(moved)
-    off, none = np.where(on, 0.005, np.nan).astype(np.float32), np.zeros(len(local), np.uint16)
-    labels = Labels(on.astype(np.uint16), on.astype(np.uint16), off, none)
+    own = on.astype(np.uint16)
+    labels = Labels(own, own, np.where(on, 0.005, np.nan).astype(np.float32), np.zeros_like(own))
     points = local @ out[:3, :3].T + out[:3, 3]
     return Result(model, labels, points, labels.component, labels.vault, labels.deviation.astype(np.float64))
 

@@ -112,9 +112,11 @@ def _strip(patches: Patches, parts: tuple[int, ...]) -> Soffit | None:
     level = normals[:, :2]
     _, vectors = np.linalg.eigh(level.T @ level)
     own = np.abs(level @ vectors[:, 0]) < OFF
+    if own.mean() < 1 - STRAY:
+        return None
     points, level = points[own], level[own]
     values, vectors = np.linalg.eigh(level.T @ level / len(level))
-    if own.mean() < 1 - STRAY or values[0] > ACROSS**2:
+    if values[0] > ACROSS**2:
         return None
     if values[1] < ACROSS**2:  # a level one: its own outline tells
         _, vectors = np.linalg.eigh(np.cov(points[:, :2].T))

@@ -72,8 +72,8 @@ def test_a_deviation_has_one_colour_everywhere(make_model, tmp_path, deviation):
         shades = np.asarray(panel.collections[-1].get_facecolors())[:, :3]
         assert np.unique(np.rint(255 * shades), axis=0).tolist() == [rgb]
 
-    arch = np.zeros(len(component), np.uint16)
-    labels = Labels(component, (component > 0).astype(np.uint16), off.astype(np.float32), arch)
+    on = (component > 0).astype(np.uint16)
+    labels = Labels(component, on, off.astype(np.float32), np.zeros_like(on))
     shown = of_result(Result(model, labels, points, component, labels.vault, off))
     (cloud,) = (trace for trace in shown["application/vnd.plotly.v1+json"]["data"] if trace["type"] == "scatter3d")
     marker = cloud["marker"]
