@@ -79,7 +79,9 @@ def serve(handlers: Mapping[str, Handler]) -> None:
     channel = os.fdopen(os.dup(1), "w", encoding="utf-8", newline="\n")
     os.dup2(2, 1)
     lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(sys.stdin.buffer, lines), daemon=True).start()
+    # Not on `sys.stdin`, which processes that are forked close: they would wait for who reads it.
+    heard = os.fdopen(os.dup(0), "rb")
+    threading.Thread(target=_listen, args=(heard, lines), daemon=True).start()
     while True:
         answer(lines.get(), handlers, lambda reply: _send(channel, reply))
 

@@ -58,9 +58,13 @@ def fit(request: Request) -> dict[str, Any]:
     # An object has no properties for free corners.
     settings = FitSettings(families, seed=seed, thickness=thickness, rectangular=True)
     stages = ("reading", *STAGES)
+    share = 0.0
 
     def progress(stage: str) -> None:
-        request.progress(stage, stages.index(stage) / len(stages) if stage in stages else 1.0)
+        nonlocal share
+        if stage in stages:  # else a bay that was found on the way
+            share = stages.index(stage) / len(stages)
+        request.progress(stage, share)
 
     progress(stages[0])
     cloud, thinned = _scan(request)
