@@ -34,6 +34,7 @@ NARROW = 0.9  # m, span of a part of a scan that is rather an arch, or nothing
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
+FLAT = 0.97  # share of a ceiling that is level, from which on it is none of a vault
 SHARE = 0.25  # of what is bent in a scan of several ceilings that its vaults must explain
 FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
 
@@ -74,6 +75,7 @@ def find_vaults(
         try:
             if k >= len(ceilings):
                 return find_arch(soffits[k - len(ceilings)], thin, hung, rngs[k])
+            _check_bent(ceilings[k])
             mine = ceilings[k].part
             return _under_one_ceiling(mine.thinned(thin), xyz[mine.holds(xyz)], families, rngs[k], demands, part=True)
         except NoVaultError as error:
@@ -99,6 +101,19 @@ def find_vaults(
         raise refusals[0]
     _check_share(vaults, ceilings)
     return Findings(learned(vaults, demands), tuple(arches), parting.hung)
+
+
+def _check_bent(ceiling: Ceiling) -> None:
+    """Refuse a ceiling that is level.
+
+    Raises:
+        NoVaultError: it is.
+    """
+    share = float(ceiling.level.mean())
+    if share > FLAT:
+        raise NoVaultError(
+            f"no vault found: {share:.0%} of a ceiling of {ceiling.area:.0f} m² is level; crop the scan to a vault"
+        )
 
 
 def _check_share(vaults: Sequence[Found], ceilings: Sequence[Ceiling]) -> None:
