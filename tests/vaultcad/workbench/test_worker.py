@@ -229,6 +229,7 @@ def test_a_scan_is_read_and_fitted_in_a_box(worker: Any, tmp_path: Path) -> None
     call = worker.begin("fit", scan=str(ROOM), box=box, family="groin", path=str(deviations))
     stages = []
     while "result" not in (reply := call.poll(60)):
+        assert "progress" in reply, reply
         stages.append((reply["progress"], reply["share"]))
     assert [share for _, share in stages] == sorted(share for _, share in stages)
     assert stages[0] == ("reading", 0)
