@@ -83,11 +83,9 @@ def find_vaults(
 
     vaults: list[Found] = []
     arches: list[FoundArch] = []
-    refusals: list[NoVaultError] = []
     for k, found in enumerate(spread(work, len(rngs)), 1):
         match found:
             case NoVaultError():
-                refusals.append(found)
                 told = "none"
             case FoundArch():
                 arches.append(found)
@@ -97,8 +95,8 @@ def find_vaults(
                 told = ", ".join(one.placed.vault.id for one in found)
         what = f"bay {k} of {len(ceilings)}" if k <= len(ceilings) else f"arch {k - len(ceilings)} of {len(soffits)}"
         progress(f"{what}: {told}")
-    if not vaults:
-        raise refusals[0]
+    if not vaults:  # holes and scaffolds can part what is one
+        return Findings(_under_one_ceiling(thin, xyz, families, rng, demands), (), parting.hung)
     _check_share(vaults, ceilings)
     return Findings(learned(vaults, demands), tuple(arches), parting.hung)
 

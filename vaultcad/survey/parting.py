@@ -21,7 +21,7 @@ Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 CELL = 0.1, 1.5  # m and spacings; edge of the plan's cells, at least
-TOUCH, DRUM = 0.25, 0.45  # m between two patches of one ceiling in plan at most; where a drum lifts one of them
+TOUCH, DRUM = 0.35, 0.45  # m between two patches of one ceiling in plan at most; where a drum lifts one of them
 PENDENTIVE = 0.8  # m² in plan of what hangs under a drum, and of the dome on it, at least
 CONTACT = 15  # pairs of cells, one of either patch, that touch: a few where only corners do
 LEVEL = 0.8  # m between two patches in height where they touch, of one ceiling before drums are looked for
