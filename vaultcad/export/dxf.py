@@ -59,6 +59,8 @@ def write_dxf(model: Model, path: Path) -> None:
         document.header.custom_vars.append("place", model.place)
         document.linetypes.add("DASHED", DASH, description="dashed __ __ __")
         _draw(document, model)
+        for name in sorted(document.entitydb.dxf_types_in_use()):  # ezdxf adds them as a set has them
+            document.classes.add_class(name)
         document.write(told)
     text = told.getvalue().replace(f"\n{juliandate(FIXED)}\n", f"\n{juliandate(stamp().replace(tzinfo=None))}\n")
     path.write_text(text, encoding="utf-8", newline="\n")

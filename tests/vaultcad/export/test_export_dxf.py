@@ -76,3 +76,11 @@ def test_the_same_model_gives_the_same_bytes_stamped_with_the_told_time(building
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
     write_dxf(building, tmp_path / "b")
     assert (tmp_path / "a").read_bytes() != (tmp_path / "b").read_bytes()
+
+
+def test_classes_in_use_stand_in_an_order_that_hangs_on_no_hash(building, tmp_path):
+    write_dxf(building, tmp_path / "a.dxf")
+    document = ezdxf.readfile(tmp_path / "a.dxf")
+    used = [one.dxf.name for one in document.classes if one.dxf.name in document.entitydb.dxf_types_in_use()]
+    assert len(used) > 3
+    assert used == sorted(used)

@@ -95,7 +95,9 @@ def test_names_that_are_none_are_refused_with_those_that_are() -> None:
         demand((Groin,), {"ris": 2.0}, ())
     with pytest.raises(ValueError, match=r"no size 'rize' to fix; did you mean rise.* lists those"):
         demand(FAMILIES, {"rize": 2.0}, ())
-    with pytest.raises(ValueError, match=r"no constraint .level. to let go; there are springing, bays, rectangle, level"):
+    with pytest.raises(
+        ValueError, match=r"no constraint .level. to let go; there are springing, bays, rectangle, level"
+    ):
         demand((Groin,), {}, ["level"])
     with pytest.raises(ValueError, match=r"rise_ratio = 3 cannot be; it is 0.1 to 1 1"):
         demand((Sail,), {"rise_ratio": 3.0}, ())
