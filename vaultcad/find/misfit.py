@@ -19,11 +19,13 @@ from vaultcad.errors import NoVaultError
 from vaultcad.find.refine import Refined
 from vaultcad.fit.settlement import (
     LENGTHS,
+    OUTLIER,
     ROUGHNESSES,
     STRENGTHS,
     Blocks,
     Partition,
     field_likelihood,
+    scatter_of,
 )
 
 Array = NDArray[np.float64]
@@ -32,6 +34,7 @@ POINTS = 4_000  # of the fit, that are looked at
 REACH = 0.15  # m off the model, to where stone may be the vault's
 LIGHT = 0.3  # of the median weight of blocks, below which one is a remnant at an edge
 ENOUGH = 25  # blocks without which nothing is said
+FEW_FAR = 0.2  # share of the blocks that may be another thing's near the vault
 STRANGE = 0.02  # chance beforehand that a vault is of none of the families
 REFUSED = 0.995  # chance of that from which on there is no model
 DOUBTFUL = 0.2  # chance of that from which on it is said why
@@ -82,6 +85,9 @@ class Misfit:
             return FITS
         usable &= parts.weight > LIGHT * np.median(parts.weight[usable])
         mean = parts.means(distance[:, None])[:, 0]
+        far = usable & (np.abs(mean) > OUTLIER * scatter_of(mean[usable]))
+        if far.sum() < FEW_FAR * usable.sum():  # sills and what leans on a vault, no shape of it
+            usable &= ~far
         # What parameters could have taken is left in: a fit has no more to take.
         blocks = Blocks(parts.weight, mean, np.empty((len(mean), 0)), parts.place, parts.normal, usable)
         plan = placed.vault.plan
