@@ -25,11 +25,6 @@ HIGH = 0.93  # and from this share on they may be
 NARROWEST = 0.8  # m, of the length that each lunette has in first guesses
 
 
-def _off_centre(vault: Lunette) -> dict[str, float]:
-    """A row that is shifted a little."""
-    return {"shift_ratio": 0.02}
-
-
 @dataclass(frozen=True)
 class Lunette(Vault):
     """Barrel across x along y; `count` lunettes a side at equal distances, opposite each other.

@@ -67,7 +67,7 @@ class CeilingGrid:
         low = xy.min(axis=0)
         index = np.floor((xy - low) / cell).astype(np.int64)
         shape = index.max(axis=0) + 1
-        _check_grid(shape, len(points), cell)
+        check_grid(shape, len(points), cell)
         flat = index[:, 0] * shape[1] + index[:, 1]
         size = int(shape.prod())
         order = np.argsort(z, kind="stable")
@@ -162,14 +162,14 @@ class CeilingGrid:
         return out
 
 
-def _check_grid(shape: NDArray[np.int64], points: int, cell: float) -> None:
+def check_grid(shape: NDArray[np.int64] | tuple[int, int], points: int, cell: float) -> None:
     """See that a grid of that shape is no larger than so many points deserve.
 
     Raises:
         NoVaultError: it is; rooms far from each other are in one scan.
     """
     if float(shape[0]) * float(shape[1]) > max(ROOMY[0] * points, ROOMY[1]):
-        x, y = shape * cell
+        x, y = shape[0] * cell, shape[1] * cell
         raise NoVaultError(
             f"no vault found: {points:,} places are scattered over {x:,.0f} × {y:,.0f} m; crop the scan to one building"
         )

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vaultcad.survey.bays import check_grid
 from vaultcad.survey.patches import Patches, ceilings_of
 from vaultcad.survey.plan_grid import PlanGrid
 from vaultcad.survey.soffits import Soffit, soffits_of
@@ -99,8 +100,14 @@ class Parting:
 
 
 def parted(thin: Thin, xyz: NDArray[np.floating]) -> Parting:
-    """Part a scan, from its thinned points and all of them (n, 3) [m]."""
+    """Part a scan, from its thinned points and all of them (n, 3) [m].
+
+    Raises:
+        NoVaultError: rooms far from each other are in one scan.
+    """
     patches = ceilings_of(thin)
+    if patches.count:
+        check_grid(PlanGrid.over(*patches.bounds, CELL[0]).shape, len(thin.points), CELL[0])
     soffits, arches = soffits_of(patches, xyz)
     hung = patches.only(~arches)
     if hung.count == 0:
@@ -185,29 +192,52 @@ class _Plan:
 
     def parts(self, ceilings: list[Mask], soffits: tuple[Soffit, ...]) -> list[Part]:
         """The part of each ceiling, told by masks (count,) of patches: where it is the nearest one of its storey."""
-        from scipy.ndimage import distance_transform_edt
-
         owner = np.full(self.patches.count, -1)
         for k, mask in enumerate(ceilings):
             owner[mask] = k
-        tops = np.full((len(ceilings), *self.grid.shape), np.nan)
-        for k, top in enumerate(tops):
-            mine = owner[self.patch] == k
-            np.fmax.at(top.reshape(-1), self.column[mine], self.height[mine])
-        away = np.stack([distance_transform_edt(np.isnan(top)) * self.grid.cell for top in tops])
-        crowns, lows = np.nanmax(tops, axis=(1, 2)), np.nanmin(tops, axis=(1, 2))
-        over = np.array([[_overlap(one, other) for other in tops] for one in tops])
+        own = owner[self.patch]
+        columns = [np.unique(self.column[own == k]) for k in range(len(ceilings))]
+        crowns = [float(self.height[own == k].max()) for k in range(len(ceilings))]
         found = []
         for k, crown in enumerate(crowns):
-            beside, below = ~over[k], over[k] & (crowns < crown)
-            held = away[k] < np.minimum(AROUND, away[beside].min(axis=0, initial=np.inf) + self.grid.cell / 1e6)
-            bottom = np.fmax.reduce(tops[below], axis=0, initial=np.nan) + ABOVE
-            arches = tuple(soffit for soffit in soffits if soffit.parts(np.array([[*soffit.place, lows[k]]])).any())
-            found.append(Part(self.grid, held, np.nan_to_num(bottom, nan=-np.inf), float(crown) + ABOVE, arches))
+            grid, tops = self._tops(own, k)
+            over = {other: _overlap(columns[k], columns[other]) for other in tops}
+            beside = [self._away(tops[other]) for other in tops if not over[other]]
+            below = [tops[other] for other in tops if over[other] and crowns[other] < crown]
+            # Half way to the next one; what is as far from both is both's.
+            nearest = np.min(beside, axis=0) if beside else np.inf
+            held = self._away(tops[k]) < np.minimum(AROUND, nearest + self.grid.cell / 1e6)
+            bottom = np.nan_to_num(np.fmax.reduce(below) if below else np.full(grid.shape, np.nan), nan=-np.inf) + ABOVE
+            lowest = np.array([[*np.zeros(2), float(self.height[own == k].min())]])
+            arches = tuple(soffit for soffit in soffits if soffit.parts(lowest).any())
+            found.append(Part(grid, held, bottom, crown + ABOVE, arches))
         return found
 
+    def _tops(self, own: Ints, k: int) -> tuple[PlanGrid, dict[int, Array]]:
+        """The cells about a ceiling, and the heights over them (nx, ny) [m] of all that reach there, NaN elsewhere.
 
-def _overlap(one: Array, other: Array) -> bool:
-    """Whether of two ceilings, heights over the plan (nx, ny), one hangs over the other; it does so over itself."""
-    one_there, other_there = np.isfinite(one), np.isfinite(other)
-    return bool((one_there & other_there).sum() > OVER * min(one_there.sum(), other_there.sum()))
+        own: (n,) the ceiling of each cell and patch. Only these cells: a site has many ceilings, each in a small part.
+        """
+        at = np.column_stack(np.divmod(self.column, self.grid.shape[1]))
+        margin = int(np.ceil(AROUND / self.grid.cell)) + 1
+        low, high = at[own == k].min(axis=0) - margin, at[own == k].max(axis=0) + margin
+        x, y = (high - low + 1).tolist()
+        grid = PlanGrid(self.grid.low + low * self.grid.cell, self.grid.cell, (x, y))
+        near = np.flatnonzero(((at >= low) & (at <= high)).all(axis=1) & (own >= 0))
+        tops = {int(number): np.full((x, y), np.nan) for number in np.unique(own[near])}
+        for number, top in tops.items():
+            mine = near[own[near] == number]
+            i, j = (at[mine] - low).T
+            np.fmax.at(top, (i, j), self.height[mine])
+        return grid, tops
+
+    def _away(self, top: Array) -> Array:
+        """How far cells (nx, ny) are from those that a ceiling hangs over [m]."""
+        from scipy.ndimage import distance_transform_edt
+
+        return np.asarray(distance_transform_edt(np.isnan(top)) * self.grid.cell, np.float64)
+
+
+def _overlap(one: Ints, other: Ints) -> bool:
+    """Whether of two ceilings, the cells (n,), (m,) that they hang over, one lies over the other; so it does itself."""
+    return len(np.intersect1d(one, other, assume_unique=True)) > OVER * min(len(one), len(other))

@@ -15,11 +15,8 @@ from vaultcad.survey.plan_grid import PlanGrid
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-ACROSS, OFF, STRAY = (
-    0.12,
-    0.25,
-    0.15,
-)  # |cosine| between normals of a soffit and its generatrices: rms; of strays; their share
+# |cosine| between normals of a soffit and its generatrices: rms; that of strays; their share
+ACROSS, OFF, STRAY = 0.12, 0.25, 0.15
 WIDTH = 0.12, 1.6  # m, of a soffit
 SLENDER = 0.6  # width / length at most
 WITHIN = 0.015, 0.985  # quantiles between which a patch lies
@@ -40,7 +37,7 @@ class Soffit:
     """Where the soffit of an arch lies.
 
     place: (2,) its middle in plan [m]. yaw: of the span [rad]. length, width: of its rectangle in plan [m].
-    curve: (k, 2) places along the span [m] and heights [m], in order. points: (n, 3) of its patch [m].
+    curve: (k, 2) places along the span [m] and heights [m], in order.
     """
 
     place: Array
@@ -48,7 +45,6 @@ class Soffit:
     length: float
     width: float
     curve: Array
-    points: Array
 
     def local(self, xy: NDArray[np.floating]) -> tuple[Array, Array]:
         """How far points (n, 2 or 3) are along the span and across it from the middle [m]."""
@@ -134,7 +130,7 @@ def _strip(patches: Patches, parts: tuple[int, ...]) -> Soffit | None:
     order = np.argsort(bins, kind="stable")
     groups = np.split(order, np.flatnonzero(np.diff(bins[order])) + 1)
     curve = np.array([[frame[g, 0].mean() - middle[0], np.median(points[g, 2])] for g in groups])
-    return Soffit(place, yaw, length, width, curve, points)
+    return Soffit(place, yaw, length, width, curve)
 
 
 def _is_between(soffit: Soffit, ceiling: Array) -> bool:

@@ -10,6 +10,7 @@ import pytest
 
 from families import Conch, Dome, Groin, Sail, Segmental, Semicircular, Vault
 from segmentation.cloud import Cloud
+from vaultcad.errors import NoVaultError
 from vaultcad.fit.label import ArchBand, label
 from vaultcad.fit.solve import Placed
 from vaultcad.model import Pose
@@ -86,6 +87,14 @@ def test_the_points_of_a_part_are_its_vaults_and_walls_and_no_arches() -> None:
         assert numbers.max() > 0.97 * (scan.vault == numbers.argmax() + 1).sum()
         assert (scan.arch[own] > 0).mean() < 0.02
         assert len(ceiling.part.thinned(thin).points) < len(thin.points)
+
+
+def test_rooms_far_from_each_other_are_refused_before_they_take_all_memory() -> None:
+    one = np.random.default_rng(0).uniform(0, 5, (3000, 3)) * [1, 1, 0]
+    points = np.concatenate([one, one + [15_000, 12_000, 0]])
+    thin = Thin(points, np.tile([0.0, 0.0, 1.0], (len(points), 1)), np.ones(len(points)), 0.05)
+    with pytest.raises(NoVaultError, match=r"scattered over 15,005 × 12,005 m; crop the scan to one building"):
+        parted(thin, points.astype(np.float32))
 
 
 def test_points_on_the_faces_of_an_arch_are_its_own_as_deep_as_it_is() -> None:
