@@ -26,7 +26,7 @@ SHORTEST = 0.3  # m over the plan, of a plane that shows anything
 ON_A_WALL, WALL_MIDDLE = 0.1, 0.8  # of the whole rise, by which an arch on a wall rises over so much of its length
 CORNER_REACH = (0.5, 0.3)  # of the way from a corner to the middle, where creases are looked for
 CREASE_STEPS, CREASE_ROUNDS = 61, 3  # directions in which they are, again and again between two of them
-CREASE_ANGLE = radians(0.5)  # by which a crease may turn between both reaches
+CREASE_ANGLE = radians(1.5)  # by which a crease may turn between both reaches
 TURNS = 4  # planes through the axis of what is turned about one and has no corners
 RING_PLANES = 3  # through a part of a ring, besides its ends
 
