@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vaultcad.dxf_document import Layer, add_layers, dxf_document
 from vaultcad.export.building_plan import arrow
-from vaultcad.export.dxf_document import Layer, add_layers, dxf_document
 from vaultcad.export.plan_shape import PlanShape, plan_shape
 from vaultcad.measure.building import building_of
 from vaultcad.model import Model
