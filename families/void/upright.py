@@ -61,7 +61,7 @@ class Upright:
         return -self.direction[1], self.direction[0]
 
     def along(self, points: Floats) -> Floats:
-        """u (n,) [m] of points (n, 2 or 3)."""
+        """Where points (n, 2 or 3) are along it, u (n,) [m]."""
         out: Floats = (points[:, :2] - self.origin) @ np.array(self.direction)
         return out
 

@@ -45,7 +45,7 @@ class Stations:
 
     def of(self, guide: Guide, piece: slice) -> NDArray[np.bool_]:
         """Those (m,) on one piece of their guide."""
-        return (self.sample >= piece.start) & (self.sample < piece.stop)
+        return np.asarray((self.sample >= piece.start) & (self.sample < piece.stop), np.bool_)
 
     def at(self, guide: Guide) -> Floats:
         """Where the stone is, (m, 2) [m]."""
@@ -53,7 +53,7 @@ class Stations:
 
 
 def in_slab(xyz: NDArray[np.floating], frame: Floats, cut: Upright | Level, slab: float) -> NDArray[np.int64]:
-    """Which of the points (n, 3) [m] lie within `slab` [m] of a plane of the frame (3, 4) that they are brought into."""
+    """Which of points (n, 3) [m] lie within `slab` [m] of a plane of the frame that `frame` (3, 4) brings them into."""
     corner = frame[:, 3]
     if isinstance(cut, Level):
         across, offset = frame[2, :3], corner[2] - cut.z
@@ -68,16 +68,29 @@ def stations(vault: Vault, plane: Upright, guide: Guide, points: Floats, grid: f
     """Points (n, 3) [m] of the vault's frame near a plane, in cells of `grid` [m] along a guide."""
     from scipy.spatial import cKDTree
 
-    away, sample = cKDTree(guide.at).query(plane.drawn(points), distance_upper_bound=FARTHEST)
-    near = away < FARTHEST
+    away, nearest = cKDTree(guide.at).query(plane.drawn(points), distance_upper_bound=FARTHEST)
+    near, sample = np.asarray(away) < FARTHEST, np.asarray(nearest)
     points, sample = points[near], sample[near]
     surface = vault.evaluate(points)
     slant = (plane.directions(guide.normal[sample]) * surface.normal).sum(axis=1)
     hit = slant > 0.5 * guide.slant[sample]  # else it is another face, behind a crease
     points, sample, offset = points[hit], sample[hit], (surface.distance / np.where(hit, slant, 1.0))[hit]
     s = guide.s[sample] + ((plane.drawn(points) - guide.at[sample]) * guide.tangent[sample]).sum(axis=1)
-    cell = (guide.piece[sample] << 32) + np.floor(s / grid).astype(np.int64)
+    cell = (guide.piece[sample] << 32) + np.floor(np.maximum(s, 0.0) / grid).astype(np.int64)
     return _cells(guide, cell, s, offset, np.abs(slant[hit]))
+
+
+def wall_stations(guide: Guide, points: Floats, grid: float) -> Stations:
+    """Points (n, 2) [m] of a level section in cells along a guide that goes round the walls."""
+    from scipy.spatial import cKDTree
+
+    away, nearest = cKDTree(guide.at).query(points, distance_upper_bound=FARTHEST)
+    near = np.asarray(away) < FARTHEST
+    points, sample = points[near], np.asarray(nearest)[near]
+    apart = points - guide.at[sample]
+    s, offset = (guide.s[sample] + (apart * guide.tangent[sample]).sum(axis=1)), (apart * guide.normal[sample]).sum(axis=1)
+    cell = (guide.piece[sample] << 32) + np.floor(np.maximum(s, 0.0) / grid).astype(np.int64)
+    return _cells(guide, cell, s, offset, np.ones(len(s)))
 
 
 def _cells(guide: Guide, cell: NDArray[np.int64], s: Floats, offset: Floats, slant: Floats) -> Stations:
@@ -112,8 +125,9 @@ def _medians(group: NDArray[np.int64], values: Floats) -> Floats:
 
 
 def profile(guide: Guide, found: Stations, grid: float) -> tuple[ProfileRun, ...]:
-    """The stone's line along a guide, smooth on each of its pieces, whose ends are extended to meet; open where the scan
-    saw nothing.
+    """The stone's line along a guide, open where the scan saw nothing.
+
+    It is smooth on each piece of the guide; ends of pieces are extended to meet.
     """
     rows: list[tuple[Floats, Floats, NDArray[np.uint16], bool]] = []
     for piece in guide.pieces():

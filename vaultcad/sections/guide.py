@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
+from families.declaration.plan import Plan
 from families.void.columns import heights
 from families.void.upright import Outline, Upright, outlines
 
@@ -51,7 +52,9 @@ class Guide:
 
 def guides(vault: Vault, plane: Upright) -> tuple[tuple[Outline, ...], tuple[Guide, ...]]:
     """The room's outlines in a plane, and a guide along what of each is the vault's."""
-    lines = tuple((_with_jumps(vault, plane, line), component) for line, component in outlines(vault, plane, LINE_STEPS))
+    lines = tuple(
+        (_with_jumps(vault, plane, line), component) for line, component in outlines(vault, plane, LINE_STEPS)
+    )
     return lines, tuple(guide for line, _ in lines if (guide := _guide(vault, plane, line)) is not None)
 
 
@@ -68,6 +71,23 @@ def _with_jumps(vault: Vault, plane: Upright, line: Floats) -> Floats:
     jumps = (np.abs(high - low)[:, 1] > JUMP)[:, None]
     out[at], out[at + 1] = np.where(jumps, low, out[at]), np.where(jumps, high, out[at + 1])
     return out
+
+
+def wall_guide(plan: Plan) -> tuple[tuple[Floats, ...], Guide]:
+    """The plan's outlines, closed, and a guide along its sides, whose normals point out of it."""
+    columns, lines = [], []
+    for loop in plan.loops:
+        rows = [resampled(side.points(1 if side.centre is None else 64), STEP) for side in loop]
+        lines.append(np.concatenate([row[:-1] for row in rows] + [rows[0][:1]]))
+        for at in rows:
+            s = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(at, axis=0), axis=1))])
+            tangent = np.gradient(at, s, axis=0)
+            tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+            normal = np.column_stack([tangent[:, 1], -tangent[:, 0]])  # the plan lies on the left of its sides
+            space = np.column_stack([normal, np.zeros(len(at))])
+            number = np.full(len(at), len(columns), np.int64)
+            columns.append((at, tangent, normal, np.ones(len(at)), space, s, number, np.zeros(len(at), np.uint16)))
+    return tuple(lines), Guide(*(np.concatenate(column) for column in zip(*columns, strict=True)))
 
 
 def resampled(line: Floats, step: float) -> Floats:
@@ -88,7 +108,10 @@ def _guide(vault: Vault, plane: Upright, line: Floats) -> Guide | None:
     pieces = np.zeros(len(parts), np.int64)
     for k, ((a, _), (b, _)) in enumerate(pairwise(parts), 1):
         pieces[k] = pieces[k - 1] + (_apart(a[-1], b[0]) or _turn(a, b) > KINK)
-    columns = [_samples(vault, plane, [p for p, n in zip(parts, pieces, strict=True) if n == k], k) for k in set(pieces.tolist())]
+    columns = [
+        _samples(vault, plane, [p for p, n in zip(parts, pieces, strict=True) if n == k], k)
+        for k in set(pieces.tolist())
+    ]
     return Guide(*(np.concatenate(column) for column in zip(*columns, strict=True)))
 
 

@@ -21,6 +21,7 @@ from vaultcad.model import PlacedVault
 from vaultcad.sections.section import Level, SectionPlane
 
 INSET = 0.06  # m from a wall to the plane that shows the arch on it: the slab is clear of the wall
+BELOW = 0.03  # m below the springing, of the level plane that shows the walls there: a slab, so that no vault is in it
 ALIKE_OFFSET, ALIKE_ANGLE = 0.05, radians(0.5)  # m, rad: planes so near to each other are one
 SHORTEST = 0.3  # m over the plan, of a plane that shows anything
 ON_A_WALL, WALL_MIDDLE = 0.1, 0.8  # of the whole rise, by which an arch on a wall rises over so much of its length
@@ -40,11 +41,11 @@ def genesis_planes(vault: Vault) -> tuple[SectionPlane, ...]:
         alike = any(_alike(plane, other) for _, other in kept)
         if not alike and _within(vault, plane):
             kept.append((kind, plane))
-    return (*_named([*kept, *_between(vault, kept)]), SectionPlane("springing", "springing", Level(vault.lift)))
+    return (*_named([*kept, *_between(vault, kept)]), SectionPlane("springing", "springing", Level(vault.lift - BELOW)))
 
 
 def every(vault: Vault, spacing: float) -> tuple[SectionPlane, ...]:
-    """Planes beside each other over the whole plan, `spacing` [m] apart, across it, or parallel to the first of its genesis.
+    """Planes beside each other over the whole plan, `spacing` [m] apart: across it, else as the first of its genesis.
 
     Raises:
         ValueError: the spacing is not positive.

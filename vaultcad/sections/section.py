@@ -96,7 +96,7 @@ class SectionArc:
 class SectionArch:
     """An arch in a section, as it stands: of which kind it may be, its sizes, and the arcs that it is drawn with.
 
-    odds: kind -> chance, the likeliest first, by names of `classify.KINDS`. rules: setting-out rule -> chance, likewise.
+    odds: kind of `arch_curves.KINDS` -> chance, the likeliest first. rules: setting-out rule -> chance, likewise.
     sizes: `span`, `rise`, `middle`, `springing`, `springing_left`, `springing_right` and what else its kind has [m].
     arcs: from left to right, none for an ellipse. line: the likeliest curve, (n, 2) [m]. rms: of the profile from it
     [m]. settlement: standard deviation of the motion that this takes [m].
@@ -116,7 +116,7 @@ class SectionArch:
 
 @dataclass(frozen=True, eq=False)
 class SectionPart:
-    """What is no whole arch: a half of one (`arc`), or straight; the line (n, 2) [m] that was fitted, and its rms [m]."""
+    """What is no whole arch: an arc of a circle, or straight; the line (n, 2) [m] that was fitted, and its rms [m]."""
 
     form: str
     arc: SectionArc | None

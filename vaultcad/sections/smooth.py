@@ -47,9 +47,9 @@ def smooth(s: Floats, values: Floats, weights: Floats, reach: tuple[float, float
     low, high = reach
     spans = max(1, int((high - low) / KNOTS))
     step = max((high - low) / spans, 1e-6)
-    knots = low + step * np.arange(-3, spans + 4)
+    knots = np.asarray(low + step * np.arange(-3, spans + 4), np.float64)
     rows, second = _basis(s, knots), np.diff(np.eye(spans + 3), 2, axis=0)
-    kept = weights
+    kept = np.asarray(weights, np.float64)
     for _ in range(ROUNDS):
         found = _fit(rows, values, kept, second.T @ second, knots)
         off = np.abs(values - rows @ found.coefficients) * np.sqrt(weights / weights.mean())
