@@ -73,7 +73,7 @@ def arch_points(profile: Profile, span: float, settled: float, rng: np.random.Ge
     normal = np.column_stack([-tangent[:, 1], tangent[:, 0]]) / np.linalg.norm(tangent, axis=1)[:, None]
     at += rng.normal(0, NOISE, len(at))[:, None] * normal
     feet = moved[[0, -1]] + [[0.0, rng.normal(0, FOOT)]]
-    return ArchPoints(at, normal, feet, FOOT)
+    return ArchPoints(at, normal, feet, FOOT, span)
 
 
 def _kinds(cases: int) -> Iterator[tuple[Figure, ...]]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vaultcad.measure.setting_out import Way, likely_rules
 from vaultcad.sections.arch_curves import KINDS
-from vaultcad.sections.field_fit import CurveFit, MovedPoints, fit_curve
+from vaultcad.sections.field_fit import CurveFit, MovedPoints, as_it_stands, fit_curve
 from vaultcad.sections.placed_arch import ArchPoints, PlacedArch
 from vaultcad.sections.section import SectionArch
 
@@ -29,7 +29,11 @@ def classified(points: ArchPoints, components: tuple[str, ...] = ()) -> SectionA
     """The kinds that the points may show, and the likeliest with its sizes; None where there are too few points."""
     if len(points.at) < FEWEST_POINTS:
         return None
-    fits = _fits(points)
+    points = _thinned(points)
+    middle = points.feet.mean(axis=0)
+    rise = float(points.at[:, 1].max() - middle[1])
+    moved = MovedPoints.of(points.at - middle, points.normal, points.half_span, max(rise, 1e-2), points.width)
+    fits = {kind.name: _fit(PlacedArch(points, kind), moved, rise) for kind in KINDS}
     top = max(fit.likelihood for fit in fits.values())
     weight = {kind.name: kind.share * exp((fits[kind.name].likelihood - top) / DOUBT) for kind in KINDS}
     total = sum(weight.values())
@@ -37,34 +41,25 @@ def classified(points: ArchPoints, components: tuple[str, ...] = ()) -> SectionA
     best = next(iter(odds))
     kind = next(kind for kind in KINDS if kind.name == best)
     placed = PlacedArch(points, kind)
+    fit = as_it_stands(fits[best], moved, placed.residuals, placed.slopes, *placed.beforehand())
     return SectionArch(
         best,
         odds,
         likely_rules(_ways(points, fits, odds)),
-        dict(placed.sizes(fits[best])),
-        tuple(placed.arcs(fits[best])),
-        placed.line(fits[best].values),
-        fits[best].rms,
-        fits[best].settlement,
+        dict(placed.sizes(fit)),
+        tuple(placed.arcs(fit)),
+        placed.line(fit.values),
+        fit.rms,
+        fit.settlement,
         components,
     )
 
 
-def _fits(points: ArchPoints) -> dict[str, CurveFit]:
-    """Each kind's."""
-    thinned = _thinned(points)
-    middle = points.feet.mean(axis=0)
-    rise = float(points.at[:, 1].max() - middle[1])
-    moved = MovedPoints.of(thinned.at - middle, thinned.normal, points.half_span, max(rise, 1e-2))
-    found: dict[str, CurveFit] = {}
-    for kind in KINDS:
-        placed = PlacedArch(thinned, kind)
-        ways = [
-            fit_curve(moved, placed.residuals, placed.slopes, start, *placed.beforehand())
-            for start in placed.starts(rise)
-        ]
-        found[kind.name] = max(ways, key=lambda fit: fit.likelihood)
-    return found
+def _fit(placed: PlacedArch, moved: MovedPoints, rise: float) -> CurveFit:
+    """The likeliest of a kind, for a rise [m] as it looks."""
+    known = placed.beforehand()
+    ways = (fit_curve(moved, placed.residuals, placed.slopes, start, *known) for start in placed.starts(rise))
+    return max(ways, key=lambda fit: fit.likelihood)
 
 
 def _thinned(points: ArchPoints) -> ArchPoints:
@@ -77,7 +72,7 @@ def _thinned(points: ArchPoints) -> ArchPoints:
         for values in (points.at, points.normal)
     )
     normal /= np.linalg.norm(normal, axis=1)[:, None]
-    return ArchPoints(at, normal, points.feet, points.foot_std)
+    return ArchPoints(at, normal, points.feet, points.foot_std, points.width)
 
 
 def _ways(points: ArchPoints, fits: Mapping[str, CurveFit], odds: Mapping[str, float]) -> Iterator[Way]:

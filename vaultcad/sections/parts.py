@@ -15,7 +15,7 @@ from families.declaration.pieces import BarrelPart, Turned
 from vaultcad.model import Estimate
 from vaultcad.sections.classify import classified
 from vaultcad.sections.cut import Stations
-from vaultcad.sections.field_fit import MovedPoints, fit_curve
+from vaultcad.sections.field_fit import MovedPoints, as_it_stands, fit_curve
 from vaultcad.sections.guide import STEP, Guide
 from vaultcad.sections.placed_arch import ArchPoints
 from vaultcad.sections.section import SectionArc, SectionArch, SectionPart
@@ -61,10 +61,10 @@ def measured(
         if span.arch and _whole(vault, guide, span):
             feet = line[[0, -1]]
             std = max(foot_std, SURE_FOOT)
-            arch = classified(ArchPoints(at, normal, feet[np.argsort(feet[:, 0])], std), names)
+            arch = classified(ArchPoints(at, normal, feet[np.argsort(feet[:, 0])], std, vault.plan.width), names)
         if arch is not None:
             arches.append(arch)
-        elif (part := _part(at, normal, length, names, curved=span.curved)) is not None:
+        elif (part := _part(at, normal, vault.plan.width, names, curved=span.curved)) is not None:
             parts.append(part)
     return arches, parts
 
@@ -126,10 +126,10 @@ def _whole(vault: Vault, guide: Guide, span: _Span) -> bool:
     return springs(span.first, 0) and springs(span.last - 1, len(guide.at) - 1)
 
 
-def _part(at: Floats, normal: Floats, length: float, names: tuple[str, ...], *, curved: bool) -> SectionPart | None:
+def _part(at: Floats, normal: Floats, width: float, names: tuple[str, ...], *, curved: bool) -> SectionPart | None:
     if len(at) < 3:
         return None
-    if curved and (arc := _arc(at, normal, length)) is not None:
+    if curved and (arc := _arc(at, normal, width)) is not None:
         part, rms = arc
         return SectionPart("arc", part, part.points(), rms, names)
     middle = at.mean(axis=0)
@@ -140,9 +140,10 @@ def _part(at: Floats, normal: Floats, length: float, names: tuple[str, ...], *, 
     return SectionPart("straight", None, ends, float(np.sqrt((off**2).mean())), names)
 
 
-def _arc(at: Floats, normal: Floats, length: float) -> tuple[SectionArc, float] | None:
+def _arc(at: Floats, normal: Floats, width: float) -> tuple[SectionArc, float] | None:
     """The circle through points (n, 2) from left to right, as it stands, and the rms [m] of these from it."""
     start = np.linalg.lstsq(np.column_stack([2 * at, np.ones(len(at))]), (at**2).sum(axis=1), rcond=None)[0]
+    length = float(np.linalg.norm(np.diff(at, axis=0), axis=1).sum())
     square = float(start[2] + start[:2] @ start[:2])
     if square <= 0 or sqrt(square) > FLATTEST * length:
         return None
@@ -158,8 +159,9 @@ def _arc(at: Floats, normal: Floats, length: float) -> tuple[SectionArc, float] 
     kept = slice(None, None, step)
     middle, whole = at.mean(axis=0), at
     at = at[kept]
-    moved = MovedPoints.of(at - middle, normal[kept], length / 2, max(float(np.ptp(whole[:, 1])), 1e-2))
-    fit = fit_curve(moved, residuals, slopes, first, first, np.full(3, WIDE * length))
+    moved = MovedPoints.of(at - middle, normal[kept], length / 2, max(float(np.ptp(whole[:, 1])), 1e-2), width)
+    known = first, np.full(3, WIDE * length)
+    fit = as_it_stands(fit_curve(moved, residuals, slopes, first, *known), moved, residuals, slopes, *known)
     std = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)).tolist()
     meanings = "centre of the arc", "centre of the arc above the vault's springing", "radius of the arc"
     told = [Estimate(v, "m", s, m) for v, s, m in zip(fit.values.tolist(), std, meanings, strict=True)]

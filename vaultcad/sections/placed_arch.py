@@ -28,13 +28,14 @@ STARTS = (0.5, 0.75)  # of the haunch's radius by the rise, from which a basket 
 @dataclass(frozen=True, eq=False)
 class ArchPoints:
     """What is known of an arch: points (n, 2) [m] of its line from left to right, directions (n, 2) into the stone, its
-    feet (2, 2) [m], left and right, and how well their height is known [m].
+    feet (2, 2) [m], left and right, how well their height is known [m], and how wide the vault is [m].
     """
 
     at: Floats
     normal: Floats
     feet: Floats
     foot_std: float
+    width: float
 
     @property
     def half_span(self) -> float:
