@@ -1,4 +1,4 @@
-"""Sheets as DXF: views at full size in model space, one layout on paper with a viewport at the sheet's scale."""
+"""Sheets as DXF: at full size in model space, which any reader shows, and a layout with a viewport each."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ APART = 20.0  # mm of paper between sheets in model space
 def write_dxf(sheets: Sequence[Sheet], path: FilePath, place: str) -> None:
     """Write all sheets, one beside the other in model space; `place` says to what the model's coordinates are relative.
 
-    Dimensions are real ones, and hatches too; every layout shows its sheet at its scale, with its title block.
+    Dimensions are real ones, and hatches too; every layout shows its sheet at its scale.
     """
     with dxf_document(path, place, dash=max(sheet.scale for sheet in sheets) / USUAL) as document:
         add_layers(document, {name: ink.layer for name, ink in INKS.items()})
@@ -54,12 +54,12 @@ def _sheet(document: Drawing, sheet: Sheet, number: int, left: float) -> None:
         shift = np.asarray(placed.at) * mm - placed.view.low + [left, 0.0]
         for mark in placed.view.marks:
             _put(space, mark, shift, sheet.scale, mm)
+    for mark in title_block(sheet, unit=mm).marks:
+        _put(space, mark, np.array([left, 0.0]), sheet.scale, mm)
     layout = document.paperspace() if number == 0 else document.layouts.new(sheet.name)
     if number == 0:
         document.layouts.rename(layout.name, sheet.name)
     layout.page_setup(size=(width, height), margins=(0, 0, 0, 0), units="mm")
-    for mark in title_block(sheet).marks:
-        _put(layout, mark, np.zeros(2), sheet.scale, 1.0)
     layout.add_viewport(
         center=(width / 2, height / 2),
         size=(width, height),

@@ -1,8 +1,9 @@
-"""Frame, titles of views, scale bar, north and title block of a sheet, as a view in millimetres of the paper."""
+"""Frame, titles of views, scale bar, north and title block of a sheet, as a view of the whole paper."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import cos, sin
 
 import numpy as np
@@ -19,8 +20,8 @@ PARTS = 4
 NORTH = 9.0  # mm, the arrow's radius
 
 
-def title_block(sheet: Sheet) -> View:
-    """All that stands on a sheet beside its views; lengths of this view are millimetres of the paper."""
+def title_block(sheet: Sheet, unit: float = 1.0) -> View:
+    """All that stands on a sheet beside its views; a millimetre of the paper is so many units of this view."""
     width, height = sheet.paper
     marks: list[Mark] = [_box(EDGE, EDGE, width - EDGE, height - EDGE)]
     for placed in sheet.views:
@@ -28,7 +29,16 @@ def title_block(sheet: Sheet) -> View:
         across = 1000.0 * placed.view.size[0] / sheet.scale
         marks.append(Word("TEXT", (x + across / 2, y - TITLE), f"{placed.view.title}   1:{sheet.scale}", 3.0))
     marks += _block(sheet, width - EDGE - BLOCK[0], EDGE)
-    return View("", np.zeros(2), np.array(sheet.paper), marks)
+    return View("", np.zeros(2), unit * np.array(sheet.paper), [_grown(mark, unit) for mark in marks])
+
+
+def _grown(mark: Mark, unit: float) -> Mark:
+    """A line or a word so many times as large; letters are millimetres of the paper anyway."""
+    if isinstance(mark, Path):
+        return replace(mark, points=unit * mark.points)
+    assert isinstance(mark, Word)
+    x, y = mark.at
+    return replace(mark, at=(unit * x, unit * y))
 
 
 def _block(sheet: Sheet, x: float, y: float) -> Iterator[Mark]:
