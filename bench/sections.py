@@ -6,13 +6,13 @@ Sections of arches of every kind, settled and with noise, whose springings are k
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from time import perf_counter
 
 import numpy as np
 
 from bench.figures import Figure, Table, clock, error, label, number, share
-from families import Barrel, Elliptical, Profile
+from families import Barrel, Elliptical, Profile, Stilted
 from families.declaration.usual_arches import DRAWN
 from vaultcad.model import said
 from vaultcad.scanner.settle import draw_settlement
@@ -25,7 +25,12 @@ CASES = 100  # of each kind
 NOISE, SETTLED = 0.003, 0.01  # m
 FOOT = 0.05  # m, standard deviation of the springings as they are told
 SPACING = 0.02  # m, of the points along an arch
-RAISED = (0.55, 0.8)  # rise / span of those that are drawn
+DRAWN_HERE: dict[str, Callable[[np.random.Generator], Profile]] = {
+    **DRAWN,
+    "stilted": lambda rng: Stilted(rng.uniform(0.56, 0.7)),
+    "raised": lambda rng: Elliptical(rng.uniform(0.55, 0.8)),
+}
+"""How each kind is drawn: stilts higher than springings are uncertain, for lower ones no section can show."""
 
 KIND_COLUMNS = (
     label("true kind", 16),
@@ -53,7 +58,7 @@ def run(chosen: argparse.Namespace) -> Iterator[Table]:
 
 def drawn_profile(name: str, rng: np.random.Generator) -> Profile:
     """An arch of a kind as builders drew it."""
-    return Elliptical(rng.uniform(*RAISED)) if name == "raised" else DRAWN[name](rng)
+    return DRAWN_HERE[name](rng)
 
 
 def arch_points(profile: Profile, span: float, settled: float, rng: np.random.Generator) -> ArchPoints:

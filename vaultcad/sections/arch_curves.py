@@ -69,7 +69,7 @@ def distances(curve: Curve, points: Floats) -> tuple[Floats, Floats]:
     """Signed distances (n,) [m] of points (n, 2) from a whole arch about u = 0 on z = 0, positive outside, and the
     directions (n, 2) in which they grow.
 
-    Below the springing the arch goes on as a wall. To an ellipse the distance is of first order.
+    Below the springing the arch goes on as a wall, a segment as its circle. To an ellipse the distance is of first order.
     """
     x, z = np.abs(points[:, 0]), points[:, 1]
     if curve.arcs:
@@ -80,7 +80,8 @@ def distances(curve: Curve, points: Floats) -> tuple[Floats, Floats]:
         slope = np.column_stack([x / a**2, z / b**2]) / reach[:, None]
         size = np.maximum(np.linalg.norm(slope, axis=1), 1e-9)
         away, normal = (reach - 1) / size, slope / size[:, None]
-    wall = z < curve.stilt
+    upright = not curve.arcs or curve.arcs[0].z >= 0
+    wall = (z < curve.stilt) & upright
     away = np.where(wall, x - curve.half_span, away)
     normal = np.where(wall[:, None], (1.0, 0.0), normal)
     normal[:, 0] *= np.where(points[:, 0] < 0, -1.0, 1.0)

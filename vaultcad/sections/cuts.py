@@ -130,6 +130,7 @@ def _upright(fitted: FittedVault, cut: Upright, points: Floats, told: Told, foot
         float(off.mean()) if len(off) else nan,
         float(np.median(off)) if len(off) else nan,
         _thinned(cut.drawn(points)),
+        _thinned(off),
     )
 
 
@@ -153,7 +154,8 @@ def _level(scan: LabelledScan, fitted: FittedVault, cut: Level, frame: Floats, t
         summarise(found.offset) if len(found.s) else None,
         float(found.offset.mean()) if len(found.s) else nan,
         float(np.median(found.offset)) if len(found.s) else nan,
-        _thinned(cut.drawn(points)),
+        _thinned(found.at(guide)),
+        _thinned(found.offset),
     )
 
 

@@ -27,6 +27,7 @@ SHORTEST = 0.3  # m, of what is measured
 UNEVEN = 0.1  # of the span, by which the feet of an arch differ in height at most
 RISES = 0.5  # of the height of its crown over the lower foot, that of an arch over the higher one
 SEEN = 0.6  # of its cells that the scan must see
+BESIDE = 0.12  # m from an end of the line: just inside a wall an arch begins beside its springing
 AT_BASE = 0.05  # m from the height where a profile of the family springs
 SURE_FOOT = 0.02  # m, least deviation of a foot's height
 FLATTEST = 20.0  # radius by length of what is still an arc
@@ -58,8 +59,7 @@ def measured(
         at, normal = found.at(guide)[own], guide.normal[found.sample[own]]
         names = tuple(dict.fromkeys(vault.components[k - 1] for k in guide.component[span.first : span.last].tolist()))
         arch = None
-        if span.arch and _whole(vault, guide, span):
-            feet = line[[0, -1]]
+        if span.arch and (feet := _feet(vault, guide, span)) is not None:
             std = max(foot_std, SURE_FOOT)
             arch = classified(ArchPoints(at, normal, feet[np.argsort(feet[:, 0])], std, vault.plan.width), names)
         if arch is not None:
@@ -116,14 +116,17 @@ def _halves(guide: Guide, left: _Span, right: _Span) -> _Span | None:
     return both if meets and rises > 0 > falls and _up_and_down(guide, both) else None
 
 
-def _whole(vault: Vault, guide: Guide, span: _Span) -> bool:
-    """Whether both feet are springings: ends of the line, or where a profile of the family begins."""
+def _feet(vault: Vault, guide: Guide, span: _Span) -> Floats | None:
+    """Both springings of an arch (2, 2): ends of the line, or where a profile of the family begins; None if not both."""
     bases = [p.base for piece in vault.pieces() for p in piece.parts if isinstance(p, BarrelPart | Turned)]
 
-    def springs(sample: int, end: int) -> bool:
-        return sample == end or bool(bases and min(abs(guide.at[sample, 1] - base) for base in bases) < AT_BASE)
+    def foot(own: Floats, end: Floats) -> Floats | None:
+        if abs(own[0] - end[0]) < BESIDE:
+            return end
+        return own if bases and min(abs(own[1] - base) for base in bases) < AT_BASE else None
 
-    return springs(span.first, 0) and springs(span.last - 1, len(guide.at) - 1)
+    feet = foot(guide.at[span.first], guide.at[0]), foot(guide.at[span.last - 1], guide.at[-1])
+    return None if feet[0] is None or feet[1] is None else np.array(feet)
 
 
 def _part(at: Floats, normal: Floats, width: float, names: tuple[str, ...], *, curved: bool) -> SectionPart | None:

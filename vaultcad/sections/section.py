@@ -153,6 +153,7 @@ class Section:
     bias: float
     median: float
     scanned: Floats = field(default_factory=lambda: np.empty((0, 2)))  # some of the points, for drawings
+    scanned_deviation: Floats = field(default_factory=lambda: np.empty(0))  # (n,) of these [m]
 
     def in_scan(self, drawn: Floats) -> Floats:
         """Points (n, 3) [m] in the scan's coordinates of those in the section (n, 2)."""
