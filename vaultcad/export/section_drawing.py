@@ -54,8 +54,8 @@ def _sizes(drawing: Drawing, section: Section) -> None:
     for arch in section.arches:
         middle, half, foot = (arch.sizes[name].value for name in ("middle", "span", "springing"))
         low, high = middle - half / 2, middle + half / 2
-        beside = float(drawing.low[1]) - out / 4
-        drawing.dimension((low, beside), (high, beside))
+        above = float(drawing.high[1]) + out / 2
+        drawing.dimension((low, above), (high, above))
         drawing.dimension((right + out, foot), (right + out, foot + arch.sizes["rise"].value))
     arcs = [arc for arch in section.arches for arc in arch.arcs]
     arcs += [part.arc for part in section.parts if part.arc is not None]

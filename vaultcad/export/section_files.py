@@ -17,6 +17,7 @@ WRITERS: dict[str, Callable[[Model, Sequence[Section], Path], None]] = {
     "sections.dxf": write_section_dxf,
 }
 PIXELS = 120.0  # of drawings, a metre
+UNDER_TITLE = 0.95  # of the height of pictures
 INCH = 100.0  # pixels of one, in pictures
 
 
@@ -44,5 +45,5 @@ def write_png(section: Section, path: Path) -> None:
     drawing = section_drawing(section)
     width, height = (PIXELS * side / INCH for side in drawing.size)
     figure = Figure(figsize=(width, height), dpi=INCH)
-    paint(figure.add_axes((0, 0, 1, 1)), drawing)
+    paint(figure.add_axes((0, 0, 1, UNDER_TITLE)), drawing)
     FigureCanvasAgg(figure).print_png(str(path), metadata={"Software": None})

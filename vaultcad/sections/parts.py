@@ -121,8 +121,10 @@ def _feet(vault: Vault, guide: Guide, span: _Span) -> Floats | None:
     bases = [p.base for piece in vault.pieces() for p in piece.parts if isinstance(p, BarrelPart | Turned)]
 
     def foot(own: Floats, end: Floats) -> Floats | None:
-        if abs(own[0] - end[0]) < BESIDE:
+        if np.array_equal(own, end):
             return end
+        if abs(own[0] - end[0]) < BESIDE:
+            return np.array([end[0], vault.lift])
         return own if bases and min(abs(own[1] - base) for base in bases) < AT_BASE else None
 
     feet = foot(guide.at[span.first], guide.at[0]), foot(guide.at[span.last - 1], guide.at[-1])
