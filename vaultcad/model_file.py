@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from families import Vault
 from segmentation.crs import Crs
 from segmentation.notes import Note
+from vaultcad.displacement import Displacement
 from vaultcad.errors import ModelFileError
 from vaultcad.model import (
     Component,
@@ -88,9 +89,11 @@ def plain_model(model: Model) -> dict[str, Any]:
 
 def plain_vault(fitted: FittedVault) -> dict[str, Any]:
     """A fitted vault as plain values: what `Vault.plain` tells, its pose [m, rad], and what else was found."""
-    whole = asdict(replace(fitted, covariance=None))
+    whole = asdict(replace(fitted, covariance=None, surface=None))
     if fitted.covariance is not None:
         whole["covariance"] = _plain_covariance(fitted.covariance)
+    if fitted.surface is not None:
+        whole["surface"] = fitted.surface.plain()
     found = {name: whole[name] for name in ("pose", *DECODERS)}
     told: dict[str, Any] = finite(
         {**fitted.vault.plain(), "title": fitted.vault.title, **found, "estimates": whole["parameters"]}
@@ -285,6 +288,7 @@ DECODERS: dict[str, Callable[[Any], Any]] = {
     "solid": bool,
     "odds": dict,
     "doubt": str,
+    "surface": lambda told: None if told is None else Displacement.from_plain(told),
     "rivals": lambda told: tuple(Rival(**{**one, "constraints": tuple(one["constraints"])}) for one in told),
 }
 """How what a fit found is read, by its names."""
