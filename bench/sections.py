@@ -11,6 +11,7 @@ from time import perf_counter
 
 import numpy as np
 
+from bench import section_lines
 from bench.figures import Figure, Table, clock, error, label, number, share
 from families import Barrel, Elliptical, Profile, Stilted
 from families.declaration.usual_arches import DRAWN
@@ -51,9 +52,17 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(chosen: argparse.Namespace) -> Iterator[Table]:
-    """Kinds by what they truly are."""
+    """Kinds by what they truly are, and lines by family."""
     settings: dict[str, Figure] = {"noise mm": 1000 * NOISE, "settled mm": 1000 * SETTLED, "first seed": FIRST}
     yield Table("kinds", "kinds of arches told apart in sections", settings, KIND_COLUMNS, _kinds(chosen.cases))
+    settings = {
+        "points": section_lines.POINTS,
+        "noise mm": 1000 * section_lines.NOISE,
+        "settled mm": 1000 * section_lines.SETTLED,
+        "first seed": section_lines.FIRST,
+    }
+    title = "distance of section lines from the stone: along the model, without one, by concave hull"
+    yield Table("section lines", title, settings, section_lines.COLUMNS, section_lines.rows())
 
 
 def drawn_profile(name: str, rng: np.random.Generator) -> Profile:

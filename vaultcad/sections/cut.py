@@ -88,7 +88,10 @@ def wall_stations(guide: Guide, points: Floats, grid: float) -> Stations:
     near = np.asarray(away) < FARTHEST
     points, sample = points[near], np.asarray(nearest)[near]
     apart = points - guide.at[sample]
-    s, offset = (guide.s[sample] + (apart * guide.tangent[sample]).sum(axis=1)), (apart * guide.normal[sample]).sum(axis=1)
+    s, offset = (
+        (guide.s[sample] + (apart * guide.tangent[sample]).sum(axis=1)),
+        (apart * guide.normal[sample]).sum(axis=1),
+    )
     cell = (guide.piece[sample] << 32) + np.floor(np.maximum(s, 0.0) / grid).astype(np.int64)
     return _cells(guide, cell, s, offset, np.ones(len(s)))
 

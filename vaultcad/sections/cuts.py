@@ -114,7 +114,7 @@ def _upright(fitted: FittedVault, cut: Upright, points: Floats, told: Told, foot
         more_arches, more_parts = measured(vault, guide, found, grid, foot)
         arches += more_arches
         parts += more_parts
-    surface = None
+    surface = fitted.surface
     moved = () if surface is None else tuple(displaced(vault, cut, guide, surface) for guide in along)
     off = vault.distance(points)
     return Section(

@@ -46,7 +46,8 @@ class MovedPoints:
         """
         place, facing = (np.column_stack([v[:, 0], np.zeros(len(v)), v[:, 1]]) for v in (at, normal))
         found = [
-            np.linalg.eigh(shape) for shape in smooth_fields(place, facing, Plan.rectangle(max(half_span, width / 2), width / 2), rise)
+            np.linalg.eigh(shape)
+            for shape in smooth_fields(place, facing, Plan.rectangle(max(half_span, width / 2), width / 2), rise)
         ]
         return cls(at, tuple(np.maximum(v, 0.0) for v, _ in found), tuple(q for _, q in found))
 

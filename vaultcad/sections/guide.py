@@ -23,7 +23,7 @@ KINK = radians(6)  # beyond which a line has a corner
 SLIVER = 0.04  # m, of a stretch of a component that is a crease's own jitter
 JUMP, JUMP_HALVINGS = 0.05, 20  # m, by which a line steps up at one place, which is found by so many halvings
 TOUCH = 1e-6  # m
-STEEPEST = 0.25  # least part of a normal within the plane; what leans more is hardly cut
+STEEPEST = 0.4  # least part of a normal within the plane; where it is less, the plane hardly cuts, and no line is sure
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +129,8 @@ def _stretches(vault: Vault, plane: Upright, line: Floats) -> list[tuple[Floats,
     """A line in steps, parted by component; 0 where it is a wall's."""
     at = resampled(line, STEP)
     surface = vault.evaluate(plane.placed(at), walls=True)
-    component = np.where(np.abs(surface.distance) < ON_VAULT, surface.component, 0).astype(np.int64)
+    cut = np.linalg.norm(_within(plane, surface.normal), axis=1) > STEEPEST
+    component = np.where((np.abs(surface.distance) < ON_VAULT) & cut, surface.component, 0).astype(np.int64)
     found: list[tuple[Floats, int]] = []
     for a, b in pairwise(np.flatnonzero(np.diff(component, prepend=-1, append=-1)).tolist()):
         short = (b - a) * STEP < SLIVER and found

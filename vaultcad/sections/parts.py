@@ -111,8 +111,10 @@ def _halves(guide: Guide, left: _Span, right: _Span) -> _Span | None:
     meets = np.hypot(*(guide.at[left.last - 1] - guide.at[right.first])) < 3 * STEP
     both = _Span(left.first, right.last, curved=True, arch=True)
     rises, falls = (
-        guide.at[run.last - 1, 1] - guide.at[run.first, 1] for run in (left, right) if run.curved and not run.arch
-    ) if left.curved and right.curved and not left.arch and not right.arch else (0.0, 0.0)
+        (guide.at[run.last - 1, 1] - guide.at[run.first, 1] for run in (left, right) if run.curved and not run.arch)
+        if left.curved and right.curved and not left.arch and not right.arch
+        else (0.0, 0.0)
+    )
     return both if meets and rises > 0 > falls and _up_and_down(guide, both) else None
 
 
