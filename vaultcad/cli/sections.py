@@ -49,8 +49,8 @@ def sections(
 ) -> None:
     """Cut scan and model by the planes that each vault's genesis asks for, or by planes given.
 
-    Each section has the stone's line, the model's, its arches with span, rise, centres and radii, of which kind each may
-    be, and by which rule it may have been set out: in sections.json, sections.dxf and a drawing a section.
+    Each section has the stone's line and the model's, and its arches with span, rise, centres and radii: of which kind
+    each may be, and by which rule it may have been set out. In sections.json, sections.dxf and a drawing a section.
     """
     from segmentation.io.whole import replacing
     from vaultcad.export.folder import check_target, replacing_folder

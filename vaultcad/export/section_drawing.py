@@ -1,4 +1,4 @@
-"""A section as a drawing: the stone's line in its components' colours, the model's behind it, arches with their centres."""
+"""A section as a drawing: the stone's line in its components' colours, the model's behind, arches with centres."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""sections.dxf: all sections side by side, springings on one line, in metres; layers by what was cut and what is shown."""
+"""sections.dxf: all sections side by side in metres, springings on one line; layers by kind of cut and of line."""
 
 from __future__ import annotations
 

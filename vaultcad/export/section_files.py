@@ -46,4 +46,5 @@ def write_png(section: Section, path: Path) -> None:
     width, height = (PIXELS * side / INCH for side in drawing.size)
     figure = Figure(figsize=(width, height), dpi=INCH)
     paint(figure.add_axes((0, 0, 1, UNDER_TITLE)), drawing)
-    FigureCanvasAgg(figure).print_png(str(path), metadata={"Software": None})
+    FigureCanvasAgg(figure)
+    figure.savefig(path, metadata={"Software": None})

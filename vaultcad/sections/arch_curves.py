@@ -69,7 +69,7 @@ def distances(curve: Curve, points: Floats) -> tuple[Floats, Floats]:
     """Signed distances (n,) [m] of points (n, 2) from a whole arch about u = 0 on z = 0, positive outside, and the
     directions (n, 2) in which they grow.
 
-    Below the springing the arch goes on as a wall, a segment as its circle. To an ellipse the distance is of first order.
+    Below the springing an arch goes on as a wall, a segment as its circle. Distances to an ellipse are of first order.
     """
     x, z = np.abs(points[:, 0]), points[:, 1]
     if curve.arcs:

@@ -25,6 +25,7 @@ FARTHEST = 0.12  # m from the ideal line, of a point that is part of its profile
 ALIKE = 3.0  # scatters from the median of its cell, beyond which a point is clutter
 FINEST = 0.001  # m, least scatter of a cell
 TEXTURE = 4.0  # points of a cell that tell as much as endless many: what is left is the stone's own relief
+SIDEWAYS = 0.1  # of an offset, by which it is unsure: stone that moved along the surface as well shows another place
 GAP = 0.06  # m from the nearest cell with points, to which a line goes on
 CORNER = 0.05  # m that two lines are extended to meet
 
@@ -164,6 +165,7 @@ def _piece(
     curve = smooth(at, found.offset[mine][own], found.std[mine][own] ** -2, (float(s[0]), float(s[-1])))
     places = np.linspace(s[0], s[-1], max(2, round(float(s[-1] - s[0]) / grid) + 1))
     offset, std = curve(places)
+    std = np.hypot(std, SIDEWAYS * offset)
     columns = [np.interp(places, s, values[piece, k]) for values in (guide.at, guide.normal) for k in (0, 1)]
     line = np.column_stack(columns[:2]) + offset[:, None] * np.column_stack(columns[2:])
     component = guide.component[piece][np.clip(np.searchsorted(s, places), 0, len(s) - 1)]

@@ -19,7 +19,7 @@ from vaultcad.sections.guide import guides, wall_guide
 from vaultcad.sections.parts import measured
 from vaultcad.sections.planes import every as planes_every
 from vaultcad.sections.planes import genesis_planes, given
-from vaultcad.sections.section import Level, ModelLine, Section, SectionPlane
+from vaultcad.sections.section import Level, ModelLine, ProfileRun, Section, SectionArch, SectionPart, SectionPlane
 
 Floats = NDArray[np.float64]
 
@@ -107,7 +107,9 @@ Told = tuple[str, int, int, SectionPlane, Floats, float, float]
 def _upright(fitted: FittedVault, cut: Upright, points: Floats, told: Told, foot: float) -> Section:
     vault, grid = fitted.vault, told[-1]
     lines, along = guides(vault, cut)
-    runs, arches, parts = [], [], []
+    runs: list[ProfileRun] = []
+    arches: list[SectionArch] = []
+    parts: list[SectionPart] = []
     for guide in along:
         found = stations(vault, cut, guide, points, grid)
         runs += profile(guide, found, grid)

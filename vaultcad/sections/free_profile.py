@@ -1,4 +1,4 @@
-"""The stone's line in a section without a model: the ridge of the points round a place in the room, and smooth along it.
+"""The stone's line in a section without a model: the ridge of the points round a place in the room, smoothed.
 
 The room is seen from one place, as from an upright axis in its middle: the line is its distance over the angle. In a
 grid of both the way that passes most points without leaps is found by dynamic programming (as in seam carving, Avidan
@@ -48,7 +48,7 @@ def free_profile(points: Floats, off: Floats, room: Floats, grid: float) -> Floa
     near = np.abs(reach / grid - 0.5 - ridge[row]) <= BAND
     row, reach, angle, off = row[near], reach[near], angle[near], off[near]
     reach = reach - _climb(angle, reach, off, float(step)) * off
-    cells, group = np.unique(row, return_inverse=True)
+    group = np.unique(row, return_inverse=True)[1]
     count = np.bincount(group)
     means = [np.bincount(group, values) / count for values in (angle, reach)]
     length = float(np.median(reach))
@@ -77,7 +77,7 @@ def _ridge(gain: Floats) -> Floats:
 
 
 def _climb(angle: Floats, reach: Floats, off: Floats, step: float) -> Floats:
-    """How much farther (n,) the stone is for each metre across the slab, from a line through the points of ten cells."""
+    """How much farther (n,) the stone is for each metre across the slab, by the points of ten cells together."""
     group = ((angle - angle.min()) / (10 * step)).astype(int)
     count = np.maximum(np.bincount(group), 1)
 

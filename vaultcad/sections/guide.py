@@ -75,7 +75,8 @@ def _with_jumps(vault: Vault, plane: Upright, line: Floats) -> Floats:
 
 def wall_guide(plan: Plan) -> tuple[tuple[Floats, ...], Guide]:
     """The plan's outlines, closed, and a guide along its sides, whose normals point out of it."""
-    columns, lines = [], []
+    columns: list[tuple[Floats, Floats, Floats, Floats, Floats, Floats, NDArray[np.int64], NDArray[np.uint16]]] = []
+    lines: list[Floats] = []
     for loop in plan.loops:
         rows = [resampled(side.points(1 if side.centre is None else 64), STEP) for side in loop]
         lines.append(np.concatenate([row[:-1] for row in rows] + [rows[0][:1]]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import sqrt
@@ -77,9 +76,8 @@ def _spans(guide: Guide) -> list[_Span]:
         smooth: list[_Span] = []
         for a, b in pairwise([piece.start, *inner.tolist(), piece.stop]):
             curved = _bulge(guide.at[a:b]) > STRAIGHT
-            if smooth and curved and smooth[-1].curved:
-                a = smooth.pop().first
-            smooth.append(_Span(a, b, curved))
+            joins = smooth and curved and smooth[-1].curved
+            smooth.append(_Span(smooth.pop().first if joins else a, b, curved))
         runs += smooth
     runs = [_Span(run.first, run.last, run.curved, run.curved and _up_and_down(guide, run)) for run in runs]
     found: list[_Span] = []
@@ -109,17 +107,14 @@ def _up_and_down(guide: Guide, run: _Span) -> bool:
 def _halves(guide: Guide, left: _Span, right: _Span) -> _Span | None:
     """The arch of which two spans are the halves, if they are."""
     meets = np.hypot(*(guide.at[left.last - 1] - guide.at[right.first])) < 3 * STEP
+    halves = all(run.curved and not run.arch for run in (left, right))
+    rises, falls = (float(guide.at[run.last - 1, 1] - guide.at[run.first, 1]) for run in (left, right))
     both = _Span(left.first, right.last, curved=True, arch=True)
-    rises, falls = (
-        (guide.at[run.last - 1, 1] - guide.at[run.first, 1] for run in (left, right) if run.curved and not run.arch)
-        if left.curved and right.curved and not left.arch and not right.arch
-        else (0.0, 0.0)
-    )
-    return both if meets and rises > 0 > falls and _up_and_down(guide, both) else None
+    return both if meets and halves and rises > 0 > falls and _up_and_down(guide, both) else None
 
 
 def _feet(vault: Vault, guide: Guide, span: _Span) -> Floats | None:
-    """Both springings of an arch (2, 2): ends of the line, or where a profile of the family begins; None if not both."""
+    """Springings of an arch (2, 2): ends of the line, or where a profile of the family begins; None if not both are."""
     bases = [p.base for piece in vault.pieces() for p in piece.parts if isinstance(p, BarrelPart | Turned)]
 
     def foot(own: Floats, end: Floats) -> Floats | None:
@@ -171,14 +166,9 @@ def _arc(at: Floats, normal: Floats, width: float) -> tuple[SectionArc, float] |
     fit = as_it_stands(fit_curve(moved, residuals, slopes, first, *known), moved, residuals, slopes, *known)
     std = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0)).tolist()
     meanings = "centre of the arc", "centre of the arc above the vault's springing", "radius of the arc"
-    told = [Estimate(v, "m", s, m) for v, s, m in zip(fit.values.tolist(), std, meanings, strict=True)]
+    u, z, radius = (Estimate(v, "m", s, m) for v, s, m in zip(fit.values.tolist(), std, meanings, strict=True))
     off = whole[[-1, 0]] - fit.values[:2]
     a, b = np.arctan2(off[:, 1], off[:, 0]).tolist()
     if (normal[0] @ (whole[0] - fit.values[:2])) < 0:  # the stone lies within the circle
         a, b = b, a
-    return SectionArc(*told, a, a + (b - a) % (2 * np.pi)), fit.rms
-
-
-def components(vault: Vault, at: NDArray[np.uint16]) -> Iterator[str]:
-    """Names of components by their numbers."""
-    yield from (vault.components[k - 1] if k else "wall" for k in at.tolist())
+    return SectionArc(u, z, radius, a, a + (b - a) % (2 * np.pi)), fit.rms
