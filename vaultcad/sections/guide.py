@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from math import radians
 
@@ -33,6 +33,7 @@ class Guide:
     at: (n, 2) [m]. tangent, normal: (n, 2), unit vectors within the plane, the normal into the stone. slant: (n,) part
     of the surface's normal within the plane. space_normal: (n, 3) of the surface. s: (n,) [m] along its piece. piece:
     (n,) number of the piece, which ends at kinks and walls. component: (n,).
+    chord: where the room begins and ends in the plane [m].
     """
 
     at: Floats
@@ -43,6 +44,7 @@ class Guide:
     s: Floats
     piece: NDArray[np.int64]
     component: NDArray[np.uint16]
+    chord: tuple[float, float] = field(default=(0.0, 0.0), kw_only=True)
 
     def pieces(self) -> list[slice]:
         """The samples of each piece."""
@@ -113,7 +115,8 @@ def _guide(vault: Vault, plane: Upright, line: Floats) -> Guide | None:
         _samples(vault, plane, [p for p, n in zip(parts, pieces, strict=True) if n == k], k)
         for k in set(pieces.tolist())
     ]
-    return Guide(*(np.concatenate(column) for column in zip(*columns, strict=True)))
+    chord = float(line[0, 0]), float(line[-1, 0])
+    return Guide(*(np.concatenate(column) for column in zip(*columns, strict=True)), chord=chord)
 
 
 def _apart(a: Floats, b: Floats) -> bool:

@@ -26,6 +26,7 @@ SHORTEST = 0.3  # m, of what is measured
 UNEVEN = 0.1  # of the span, by which the feet of an arch differ in height at most
 RISES = 0.5  # of the height of its crown over the lower foot, that of an arch over the higher one
 SEEN = 0.6  # of its cells that the scan must see
+AT_END = 0.01  # m from an end of the line: there an arch springs, or is cut by a wall
 BESIDE = 0.12  # m from an end of the line: just inside a wall an arch begins beside its springing
 AT_BASE = 0.05  # m from the height where a profile of the family springs
 SURE_FOOT = 0.02  # m, least deviation of a foot's height
@@ -117,14 +118,14 @@ def _feet(vault: Vault, guide: Guide, span: _Span) -> Floats | None:
     """Springings of an arch (2, 2): ends of the line, or where a profile of the family begins; None if not both are."""
     bases = [p.base for piece in vault.pieces() for p in piece.parts if isinstance(p, BarrelPart | Turned)]
 
-    def foot(own: Floats, end: Floats) -> Floats | None:
-        if np.array_equal(own, end):
-            return end
-        if abs(own[0] - end[0]) < BESIDE:
-            return np.array([end[0], vault.lift])
+    def foot(own: Floats, end: float) -> Floats | None:
+        if abs(own[0] - end) < AT_END:
+            return own
+        if abs(own[0] - end) < BESIDE:
+            return np.array([end, vault.lift])
         return own if bases and min(abs(own[1] - base) for base in bases) < AT_BASE else None
 
-    feet = foot(guide.at[span.first], guide.at[0]), foot(guide.at[span.last - 1], guide.at[-1])
+    feet = foot(guide.at[span.first], guide.chord[0]), foot(guide.at[span.last - 1], guide.chord[1])
     return None if feet[0] is None or feet[1] is None else np.array(feet)
 
 
