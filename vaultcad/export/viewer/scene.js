@@ -1,0 +1,133 @@
+"use strict";
+// Reads the scene that vaultcad/export/viewer/scene.py packs, and makes three.js's objects of it.
+
+const ARRAYS = {
+  xyz: [Uint16Array, 3],
+  moved: [Int16Array, 3],
+  index: [Uint32Array, 1],
+  deviation: [Int16Array, 1],
+  component: [Uint16Array, 1],
+};
+const UNKNOWN = -32768; // where there is no deviation
+const TOWARDS_EYE = 0.03; // m by which points come before the surface that they lie on
+
+function readScene(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  for (const item of [...head.parts, ...head.clouds]) {
+    for (const [name, [Type, width]] of Object.entries(ARRAYS)) {
+      if (name in item) item[name] = summed(new Type(buffer, 4 + length + item[name][0], item[name][1]), width);
+    }
+    item.positions = Float32Array.from(item.xyz, (step, k) => item.low[k % 3] + step * item.step[k % 3]);
+  }
+  return head;
+}
+
+// Rows are kept as their differences.
+function summed(array, width) {
+  for (let k = width; k < array.length; k++) array[k] += array[k - width];
+  return array;
+}
+
+// Red, green, blue from 0 to 1 of a deviation [m], null where it is not known.
+function shade(deviation, { stops, limit, unknown }) {
+  if (deviation === null) return unknown.map((channel) => channel / 255);
+  const share = Math.min(1, Math.max(-1, deviation / limit));
+  const k = Math.max(1, stops.findIndex(([at]) => at >= share));
+  const [[low, a], [high, b]] = [stops[k - 1], stops[k]];
+  return a.map((channel, c) => (channel + ((b[c] - channel) * (share - low)) / (high - low)) / 255);
+}
+
+// A component, or the rest of a vault's masonry: one geometry, drawn from the room in front and from the stone behind.
+class Part {
+  constructor(part, head) {
+    Object.assign(this, part);
+    this.head = head;
+    this.stone = part.id === 0;
+    this.geometry = new THREE.BufferGeometry();
+    this.geometry.setIndex(new THREE.BufferAttribute(part.index, 1));
+    this.place(0);
+    this.normals = this.geometry.getAttribute("normal").array.slice();
+    const look = (side, Material, more) => new Material({ side, ...more });
+    const lit = this.stone
+      ? [THREE.MeshPhongMaterial, { flatShading: true, shininess: 0, color: head.stone }]
+      : [THREE.MeshLambertMaterial, { color: part.colour }];
+    this.front = new THREE.Mesh(this.geometry, look(THREE.FrontSide, ...lit));
+    this.back = new THREE.Mesh(this.geometry, look(THREE.BackSide, ...lit));
+    this.cut = look(THREE.BackSide, THREE.MeshBasicMaterial, { color: darker(head.stone) });
+    this.uncut = this.back.material;
+    this.meshes = [this.front, this.back];
+    for (const mesh of this.meshes) mesh.userData.part = this;
+    if (part.moved) this.geometry.setAttribute("color", new THREE.BufferAttribute(this.shades(), 3));
+  }
+
+  // So many times its displacement away from the ideal surface.
+  place(times) {
+    const at = this.moved ? this.positions.map((v, k) => v + times * this.moved[k] * this.head.fine) : this.positions;
+    this.geometry.setAttribute("position", new THREE.BufferAttribute(at, 3));
+    this.geometry.computeVertexNormals();
+    this.geometry.computeBoundingSphere();
+  }
+
+  // Displacement [m] of a vertex into the stone: normals look out of it.
+  into(vertex) {
+    const along = (k) => this.moved[3 * vertex + k] * this.normals[3 * vertex + k];
+    return -this.head.fine * (along(0) + along(1) + along(2));
+  }
+
+  shades() {
+    const colours = new Float32Array(this.positions.length);
+    for (let k = 0; 3 * k < colours.length; k++) colours.set(shade(this.into(k), this.head), 3 * k);
+    return colours;
+  }
+
+  // show: "ideal", "as-built" or "points", under which it is but ground.
+  look(show, enlarge, masonry) {
+    const bent = show === "as-built" && this.moved;
+    if (this.moved) this.place(bent ? enlarge : 0);
+    this.front.visible = this.back.visible = masonry || !this.stone;
+    this.back.material = masonry ? this.cut : this.uncut;
+    for (const material of [this.front.material, this.uncut]) {
+      const plain = this.stone ? this.head.stone : show === "points" ? "#b9b6b0" : this.colour;
+      material.vertexColors = Boolean(bent && !this.stone);
+      material.color.set(material.vertexColors ? "#ffffff" : plain);
+      material.needsUpdate = true;
+    }
+  }
+}
+
+function darker(colour) {
+  return new THREE.Color(colour).multiplyScalar(0.55);
+}
+
+// Points coloured by their deviation, drawn a little before where they are, so that the surface does not hide half of them.
+class Cloud {
+  constructor(cloud, head) {
+    Object.assign(this, cloud);
+    this.around = !cloud.deviation;
+    this.geometry = new THREE.BufferGeometry();
+    this.geometry.setAttribute("position", new THREE.BufferAttribute(this.positions, 3));
+    const colours = new Float32Array(this.positions.length);
+    for (let k = 0; 3 * k < colours.length; k++) colours.set(shade(this.at(k, head.fine), head), 3 * k);
+    this.geometry.setAttribute("color", new THREE.BufferAttribute(colours, 3));
+    const size = this.around ? { size: 2, sizeAttenuation: false } : { size: 1.5 * head.spacing };
+    const material = new THREE.PointsMaterial({ vertexColors: true, ...size });
+    if (!this.around) material.onBeforeCompile = towardsEye;
+    this.points = new THREE.Points(this.geometry, material);
+    this.points.userData.cloud = this;
+  }
+
+  // Deviation [m] of a point, null where it is not known.
+  at(k, fine) {
+    return this.around || this.deviation[k] === UNKNOWN ? null : this.deviation[k] * fine;
+  }
+
+  look(show, around) {
+    this.points.visible = this.around ? around : show === "points";
+  }
+}
+
+function towardsEye(shader) {
+  const nearer = `mvPosition.xyz -= normalize(mvPosition.xyz) * ${TOWARDS_EYE};\n\tgl_Position = projectionMatrix * mvPosition;`;
+  shader.vertexShader = shader.vertexShader.replace("#include <project_vertex>", `#include <project_vertex>\n\t${nearer}`);
+}
