@@ -8,7 +8,7 @@ class Measure {
     this.marks = new THREE.Points(this.geometry, new THREE.PointsMaterial({ ...look, size: 11, sizeAttenuation: false }));
     this.line = new THREE.Line(this.geometry, new THREE.LineBasicMaterial(look));
     for (const mark of [this.marks, this.line]) {
-      mark.renderOrder = 1;
+      mark.renderOrder = 3;
       mark.frustumCulled = false;
     }
     scene.add(this.marks, this.line);

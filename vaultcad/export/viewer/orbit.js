@@ -5,11 +5,14 @@ const MOVE = 0.05; // of the distance, a key press
 const NEARER = 0.85; // of the distance, a key press
 const STEEPEST = Math.PI / 2 - 0.001; // [rad]
 const STILL = 6; // pixels; a pointer that moves less has clicked
+const FILLED = 0.93; // of the picture by the whole
 const SOUTH = -Math.PI / 2;
 const VIEWS = {
   iso: [SOUTH + 0.6, 0.55],
   top: [SOUTH, STEEPEST],
   below: [SOUTH, -STEEPEST],
+  front: [SOUTH, 0],
+  side: [0, 0],
 };
 
 class Orbit {
@@ -18,6 +21,7 @@ class Orbit {
     Object.assign(this, { canvas, changed, clicked });
     this.camera = new THREE.PerspectiveCamera(40, 1);
     this.camera.up.set(0, 0, 1);
+    this.box = box;
     this.centre = box.getCenter(new THREE.Vector3());
     this.radius = box.getSize(new THREE.Vector3()).length() / 2;
     this.pointers = new Map();
@@ -32,10 +36,28 @@ class Orbit {
   look(view) {
     [this.azimuth, this.elevation] = VIEWS[view];
     this.target = this.centre.clone();
-    const upright = (this.camera.fov * Math.PI) / 360;
-    const narrow = Math.min(upright, Math.atan(Math.tan(upright) * this.camera.aspect));
-    this.distance = (0.95 * this.radius) / Math.sin(narrow);
+    this.distance = this.fitting();
     this.update();
+  }
+
+  // The distance [m] from which the whole box is seen.
+  fitting() {
+    const tall = Math.tan((this.camera.fov * Math.PI) / 360) * FILLED;
+    const [away, right] = [this.away(), new THREE.Vector3(-Math.sin(this.azimuth), Math.cos(this.azimuth), 0)];
+    const up = away.clone().cross(right);
+    const corner = ([x, y, z]) => new THREE.Vector3(x, y, z).sub(this.centre);
+    const { min, max } = this.box;
+    const corners = [min.x, max.x].flatMap((x) =>
+      [min.y, max.y].flatMap((y) => [min.z, max.z].map((z) => corner([x, y, z]))),
+    );
+    const needed = (c) => Math.max(Math.abs(c.dot(up)), Math.abs(c.dot(right)) / this.camera.aspect) / tall;
+    return Math.max(...corners.map((c) => c.dot(away) + needed(c)));
+  }
+
+  // From the target to the camera, of length 1.
+  away() {
+    const level = Math.cos(this.elevation);
+    return new THREE.Vector3(level * Math.cos(this.azimuth), level * Math.sin(this.azimuth), Math.sin(this.elevation));
   }
 
   turn(sideways, upwards) {
@@ -57,9 +79,7 @@ class Orbit {
   }
 
   update() {
-    const level = Math.cos(this.elevation);
-    const away = [level * Math.cos(this.azimuth), level * Math.sin(this.azimuth), Math.sin(this.elevation)];
-    this.camera.position.fromArray(away).multiplyScalar(this.distance).add(this.target);
+    this.camera.position.copy(this.away()).multiplyScalar(this.distance).add(this.target);
     this.camera.near = Math.max(this.distance - 3 * this.radius, this.distance / 100);
     this.camera.far = this.distance + 3 * this.radius;
     this.camera.lookAt(this.target);

@@ -56,7 +56,7 @@ class Packed:
 
 def page_text(plain: bytes) -> str:
     """Bytes as they lie in the page: deflated, in letters."""
-    return b64encode(compress(plain, 9)).decode("ascii")
+    return b64encode(compress(plain)).decode("ascii")
 
 
 def _short(values: Floats) -> list[float]:

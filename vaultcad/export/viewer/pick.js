@@ -3,13 +3,17 @@
 const NEARBY = 0.1; // m about a place on the ideal surface within which points tell its deviation
 
 // The first thing shown at a place of the picture, x and y from -1 to 1: {point, object, ...}, or null.
-function pick(x, y, camera, parts, clouds, plane, spacing) {
+// Who sees masonry from behind looks at the face of the section before it.
+function pick(x, y, { camera, parts, clouds, plane, spacing, masonry }) {
   const ray = new THREE.Raycaster();
   ray.params.Points.threshold = spacing;
   ray.setFromCamera({ x, y }, camera);
   const there = (hit) => !plane || plane.distanceToPoint(hit.point) >= 0;
   const seen = (objects) => ray.intersectObjects(objects.filter((object) => object.visible), false).filter(there);
   const [surface] = seen(parts.flatMap((part) => part.meshes));
+  if (surface && plane && masonry && surface.object === surface.object.userData.part.back) {
+    return { ...surface, point: ray.ray.intersectPlane(plane, new THREE.Vector3()), cut: true };
+  }
   const before = surface ? surface.distance + spacing : Infinity;
   const points = seen(clouds.map((cloud) => cloud.points)).filter((hit) => hit.distance < before);
   if (!points.length) return surface ?? null;
@@ -22,7 +26,7 @@ function pick(x, y, camera, parts, clouds, plane, spacing) {
 // Where the stone is, though the picture may enlarge by how much it has moved.
 function truePlace(hit, show) {
   const part = hit.object.userData.part;
-  if (!part?.moved || show !== "as-built") return hit.point.clone();
+  if (hit.cut || !part?.moved || show !== "as-built") return hit.point.clone();
   const [shown, stands] = [part.geometry.getAttribute("position").array, part.positions];
   const corner = (array, k) => new THREE.Vector3().fromArray(array, 3 * k);
   const corners = [hit.face.a, hit.face.b, hit.face.c];
@@ -39,6 +43,7 @@ function truePlace(hit, show) {
 function told(hit, show, head, clouds) {
   const { part, cloud } = hit.object.userData;
   if (cloud) return toldOfPoint(cloud, hit.index, head);
+  if (hit.cut) return `${head.owners[part.owner]}: cut masonry`;
   const name = `${head.owners[part.owner]}: ${part.name}`;
   if (part.stone) return name;
   const whole = part.millimetres ? `; all of it: mean ${part.millimetres[0]} mm, 95 % within ${part.millimetres[1]} mm` : "";

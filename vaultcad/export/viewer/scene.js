@@ -9,6 +9,8 @@ const ARRAYS = {
   component: [Uint16Array, 1],
 };
 const UNKNOWN = -32768; // where there is no deviation
+const GROUND = "#b9b6b0"; // of a surface under points
+const SECTIONS = []; // the plane that cuts all, if there is one
 const TOWARDS_EYE = 0.03; // m by which points come before the surface that they lie on
 
 function readScene(buffer) {
@@ -41,30 +43,28 @@ function shade(deviation, { stops, limit, unknown }) {
 // A component, or the rest of a vault's masonry: one geometry, drawn from the room in front and from the stone behind.
 class Part {
   constructor(part, head) {
-    Object.assign(this, part);
-    this.head = head;
-    this.stone = part.id === 0;
+    Object.assign(this, part, { head, stone: part.id === 0 });
     this.geometry = new THREE.BufferGeometry();
     this.geometry.setIndex(new THREE.BufferAttribute(part.index, 1));
     this.place(0);
-    this.normals = this.geometry.getAttribute("normal").array.slice();
-    const look = (side, Material, more) => new Material({ side, ...more });
-    const lit = this.stone
-      ? [THREE.MeshPhongMaterial, { flatShading: true, shininess: 0, color: head.stone }]
-      : [THREE.MeshLambertMaterial, { color: part.colour }];
-    this.front = new THREE.Mesh(this.geometry, look(THREE.FrontSide, ...lit));
-    this.back = new THREE.Mesh(this.geometry, look(THREE.BackSide, ...lit));
-    this.cut = look(THREE.BackSide, THREE.MeshBasicMaterial, { color: darker(head.stone) });
-    this.uncut = this.back.material;
+    this.normals = this.geometry.getAttribute("normal").array;
+    if (part.moved) this.geometry.setAttribute("color", new THREE.BufferAttribute(this.shades(), 3));
+    const Material = this.stone ? THREE.MeshPhongMaterial : THREE.MeshLambertMaterial;
+    const look = this.stone ? { flatShading: true, shininess: 0 } : {};
+    const side = (side) => new THREE.Mesh(this.geometry, new Material({ ...look, side, clippingPlanes: SECTIONS }));
+    this.front = side(THREE.FrontSide);
+    this.back = side(THREE.BackSide);
     this.meshes = [this.front, this.back];
     for (const mesh of this.meshes) mesh.userData.part = this;
-    if (part.moved) this.geometry.setAttribute("color", new THREE.BufferAttribute(this.shades(), 3));
   }
 
   // So many times its displacement away from the ideal surface.
   place(times) {
-    const at = this.moved ? this.positions.map((v, k) => v + times * this.moved[k] * this.head.fine) : this.positions;
+    if (times === this.times) return;
+    this.times = times;
+    const at = times ? this.positions.map((v, k) => v + times * this.moved[k] * this.head.fine) : this.positions;
     this.geometry.setAttribute("position", new THREE.BufferAttribute(at, 3));
+    this.geometry.deleteAttribute("normal");
     this.geometry.computeVertexNormals();
     this.geometry.computeBoundingSphere();
   }
@@ -83,21 +83,17 @@ class Part {
 
   // show: "ideal", "as-built" or "points", under which it is but ground.
   look(show, enlarge, masonry) {
-    const bent = show === "as-built" && this.moved;
-    if (this.moved) this.place(bent ? enlarge : 0);
-    this.front.visible = this.back.visible = masonry || !this.stone;
-    this.back.material = masonry ? this.cut : this.uncut;
-    for (const material of [this.front.material, this.uncut]) {
-      const plain = this.stone ? this.head.stone : show === "points" ? "#b9b6b0" : this.colour;
-      material.vertexColors = Boolean(bent && !this.stone);
-      material.color.set(material.vertexColors ? "#ffffff" : plain);
-      material.needsUpdate = true;
+    const bent = show === "as-built" && Boolean(this.moved);
+    this.place(bent ? enlarge : 0);
+    const shaded = bent && !this.stone;
+    const plain = this.stone ? this.head.stone : show === "points" ? GROUND : this.colour;
+    for (const mesh of this.meshes) {
+      mesh.visible = masonry || !this.stone;
+      mesh.material.needsUpdate ||= mesh.material.vertexColors !== shaded;
+      mesh.material.vertexColors = shaded;
+      mesh.material.color.set(shaded ? "#ffffff" : plain);
     }
   }
-}
-
-function darker(colour) {
-  return new THREE.Color(colour).multiplyScalar(0.55);
 }
 
 // Points coloured by their deviation, drawn a little before where they are, so that the surface does not hide half of them.
@@ -111,7 +107,7 @@ class Cloud {
     for (let k = 0; 3 * k < colours.length; k++) colours.set(shade(this.at(k, head.fine), head), 3 * k);
     this.geometry.setAttribute("color", new THREE.BufferAttribute(colours, 3));
     const size = this.around ? { size: 2, sizeAttenuation: false } : { size: 1.5 * head.spacing };
-    const material = new THREE.PointsMaterial({ vertexColors: true, ...size });
+    const material = new THREE.PointsMaterial({ vertexColors: true, clippingPlanes: SECTIONS, ...size });
     if (!this.around) material.onBeforeCompile = towardsEye;
     this.points = new THREE.Points(this.geometry, material);
     this.points.userData.cloud = this;

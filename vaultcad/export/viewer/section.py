@@ -14,7 +14,14 @@ from vaultcad.export.viewer.packing import page_text
 from vaultcad.export.viewer.scene import scene
 from vaultcad.model import Model
 
-SCRIPTS = ("scene.js", "orbit.js", "pick.js", "measure.js", "view.js")  # in the order in which they are joined
+SCRIPTS = (
+    "scene.js",
+    "cap.js",
+    "orbit.js",
+    "pick.js",
+    "measure.js",
+    "view.js",
+)  # in the order in which they are joined
 HERE = files("vaultcad.export.viewer")
 
 

@@ -10,12 +10,14 @@ const form = stage.querySelector("form");
 const tip = stage.querySelector(".view-tip");
 const said = stage.querySelector(".view-said");
 const renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
+renderer.localClippingEnabled = true;
 const world = new THREE.Scene();
 world.add(...parts.flatMap((part) => part.meshes), ...clouds.map((cloud) => cloud.points));
 const box = new THREE.Box3();
 for (const part of parts) box.expandByObject(part.front);
 const lamp = new THREE.DirectionalLight("#ffffff", 0.45);
 world.add(lamp, lamp.target, new THREE.HemisphereLight("#ffffff", "#d8d4cc", 0.62));
+const cap = new Cap(parts, box, head.stone, world);
 const measure = new Measure(world);
 const orbit = new Orbit(canvas, box, changed, clicked);
 let asked = false;
@@ -38,7 +40,7 @@ function resized() {
   renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
   renderer.setSize(canvas.clientWidth, canvas.clientHeight, false);
   orbit.camera.aspect = canvas.clientWidth / canvas.clientHeight;
-  orbit.update();
+  if (orbit.target) orbit.update();
 }
 
 const chosen = (name) => form.elements[name].value;
@@ -50,7 +52,6 @@ function applied() {
   form.querySelector(".view-enlarge").hidden = chosen("show") !== "as-built";
   cut();
   if (!ticked("measure")) measure.clear();
-  form.elements.distance.value = ticked("measure") ? measure.told : "";
   legend();
   changed();
 }
@@ -67,7 +68,8 @@ function cut() {
     form.elements.at.setAttribute("aria-valuetext", `${axis} ${at.toFixed(2)} m`);
     form.elements.place.value = `${axis} = ${at.toFixed(2).replace("-", "−")} m`;
   } else form.elements.place.value = "";
-  renderer.clippingPlanes = plane ? [plane] : [];
+  SECTIONS.splice(0, 1, ...(plane ? [plane] : []));
+  cap.look(plane, ticked("masonry"));
 }
 
 function legend() {
@@ -98,7 +100,8 @@ function legend() {
 }
 
 function picked(x, y) {
-  return pick(x, y, orbit.camera, parts, clouds, plane, head.spacing);
+  const shown = { parts, clouds, plane, spacing: head.spacing, masonry: ticked("masonry") };
+  return pick(x, y, { camera: orbit.camera, ...shown });
 }
 
 function placeOf(event) {
@@ -107,13 +110,10 @@ function placeOf(event) {
 }
 
 function taken(hit) {
-  said.textContent = hit ? told(hit, chosen("show"), head, clouds) : "nothing there";
-  if (hit && ticked("measure")) {
-    measure.add(truePlace(hit, chosen("show")));
-    form.elements.distance.value = measure.told;
-    said.textContent += measure.places.length === 2 ? `; distance ${measure.told}` : "";
-    changed();
-  }
+  const what = hit ? told(hit, chosen("show"), head, clouds) : "nothing there";
+  if (hit && ticked("measure")) measure.add(truePlace(hit, chosen("show")));
+  said.textContent = ticked("measure") ? `${measure.told} · ${what}` : what;
+  changed();
 }
 
 function clicked(event) {
@@ -152,13 +152,17 @@ canvas.addEventListener("keydown", (event) => {
   if (event.key === "Enter") taken(picked(0, 0));
   if (event.key === "Escape") {
     measure.clear();
-    applied();
+    said.textContent = ticked("measure") ? measure.told : "";
+    changed();
   }
 });
 for (const button of form.querySelectorAll("button[value]")) {
   if (button.type === "button") button.addEventListener("click", () => orbit.look(button.value));
 }
 form.addEventListener("input", applied);
+form.elements.measure.addEventListener("input", () => {
+  said.textContent = ticked("measure") ? measure.told : "";
+});
 form.addEventListener("submit", (event) => event.preventDefault());
 form.addEventListener("reset", () => {
   setTimeout(() => {
@@ -175,8 +179,7 @@ for (const [value, there] of [
   form.querySelector(`[name="show"][value="${value}"]`).parentElement.hidden = !there;
 }
 form.elements.around.parentElement.hidden = !clouds.some((cloud) => cloud.around);
-form.reset();
-orbit.look("iso");
+applied();
 resized();
 orbit.look("iso");
 new ResizeObserver(resized).observe(canvas);
