@@ -54,7 +54,7 @@ class Browser:
         commands, answers = os.pipe(), os.pipe()
         # Chromium takes commands from file descriptor 3 and answers on 4.
         start = f'exec "$@" 3<&{commands[0]} 4>&{answers[1]}'
-        line = ["sh", "-c", start, "sh", program, *FLAGS, f"--user-data-dir={profile}", "about:blank"]
+        line = ["bash", "-c", start, "bash", program, *FLAGS, f"--user-data-dir={profile}", "about:blank"]
         passed = (commands[0], answers[1])
         self._process = subprocess.Popen(line, pass_fds=passed, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         for end in passed:
@@ -64,20 +64,26 @@ class Browser:
         self.console: list[str] = []
         self.requests: list[str] = []
         self._loaded = False
-        tabs = self._call("Target.getTargets")["targetInfos"]
-        (tab,) = (one["targetId"] for one in tabs if one["type"] == "page")
+        try:
+            self._attach(*size, phone)
+        except BaseException:
+            self._end()
+            raise
+
+    def _attach(self, width: int, height: int, phone: bool) -> None:
+        tab = self._call("Target.createTarget", url="about:blank")["targetId"]
         self._session = self._call("Target.attachToTarget", targetId=tab, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self._call(f"{domain}.enable")
-        width, height = size
-        self._call(
-            "Emulation.setDeviceMetricsOverride",
-            width=width,
-            height=height,
-            deviceScaleFactor=2 if phone else 1,
-            mobile=phone,
-        )
+        screen = {"width": width, "height": height, "deviceScaleFactor": 2 if phone else 1, "mobile": phone}
+        self._call("Emulation.setDeviceMetricsOverride", **screen)
         self._call("Emulation.setTouchEmulationEnabled", enabled=phone)
+
+    def _end(self) -> None:
+        self._process.kill()
+        self._process.wait()
+        os.close(self._commands)
+        os.close(self._answers)
 
     def __enter__(self) -> Self:
         return self
@@ -88,9 +94,7 @@ class Browser:
             self._call("Browser.close")
             self._process.wait(PATIENCE)
         finally:
-            self._process.kill()
-            os.close(self._commands)
-            os.close(self._answers)
+            self._end()
 
     def open(self, page: Path) -> None:
         """Load a file and wait until it is there."""
@@ -170,7 +174,7 @@ class Browser:
             clip = {"clip": {"x": x, "y": y, "width": width, "height": height, "scale": 1}}
         # What was asked for is drawn in the next frame.
         self.run("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
-        return b64decode(self._call("Page.captureScreenshot", format="png", **clip)["data"])
+        return b64decode(self._call("Page.captureScreenshot", format="png", optimizeForSpeed=True, **clip)["data"])
 
     def _call(self, method: str, **parameters: Any) -> dict[str, Any]:
         self._count += 1

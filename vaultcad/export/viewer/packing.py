@@ -60,4 +60,4 @@ def page_text(plain: bytes) -> str:
 
 
 def _short(values: Floats) -> list[float]:
-    return [float(f"{value:.9g}") for value in values.tolist()]
+    return [float(f"{value:.12g}") for value in values.tolist()]

@@ -30,7 +30,7 @@ def scene(
     deviation: NDArray[np.floating],
     vault: NDArray[np.integer],
 ) -> bytes:
-    """What scene.js reads, in the first vault's frame but for its height, which is that of the scan.
+    """What scene.js reads, in the scan's local frame with x and y turned and moved to those of the first vault.
 
     Args:
         model: what was found.
@@ -60,6 +60,7 @@ def scene(
         "parts": parts,
         "clouds": clouds,
         "fine": FINE,
+        "height": float(model.origin[2]),  # of z = 0 in the scan [m]
         "limit": limit_of(deviation),
         "spacing": round(sqrt(area / max(len(shown), 1)), 4),
         "stops": [[share, [c.red, c.green, c.blue]] for share, c in STOPS],
@@ -79,7 +80,6 @@ def _frame(model: Model) -> Floats:
     c, s = cos(pose.yaw), sin(pose.yaw)
     frame[:2, :2] = [[c, s], [-s, c]]
     frame[:2, 3] = -frame[:2, :2] @ [pose.x, pose.y]
-    frame[2, 3] = model.origin[2]
     return frame
 
 

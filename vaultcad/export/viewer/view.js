@@ -65,8 +65,9 @@ function cut() {
     const way = ticked("flip") ? -KEPT[axis] : KEPT[axis];
     plane = new THREE.Plane(new THREE.Vector3(), -way * at);
     plane.normal[axis] = way;
-    form.elements.at.setAttribute("aria-valuetext", `${axis} ${at.toFixed(2)} m`);
-    form.elements.place.value = `${axis} = ${at.toFixed(2).replace("-", "−")} m`;
+    const told = (axis === "z" ? at + head.height : at).toFixed(2).replace("-", "−");
+    form.elements.at.setAttribute("aria-valuetext", `${axis} ${told} m`);
+    form.elements.place.value = `${axis} = ${told} m`;
   } else form.elements.place.value = "";
   SECTIONS.splice(0, 1, ...(plane ? [plane] : []));
   cap.look(plane, ticked("masonry"));
