@@ -25,7 +25,7 @@ from vaultcad.export.report_building import building_page
 from vaultcad.export.report_json import in_shown_unit, plain
 from vaultcad.export.report_text import FILES, STYLE, TERMS
 from vaultcad.export.seen import Seen, seen
-from vaultcad.export.viewer.section import viewer_section, viewer_style
+from vaultcad.export.viewer.embed import viewer_section, viewer_style
 from vaultcad.measure.building import building_of
 from vaultcad.model import FLAGS, Component, Deviation, Estimate, FittedVault, Model
 

@@ -17,7 +17,7 @@ from families import family
 from tools.browser import Browser
 from vaultcad.export.geometry import shell
 from vaultcad.export.report_html import write_report_html
-from vaultcad.export.viewer import library, section
+from vaultcad.export.viewer import embed, library
 from vaultcad.export.viewer.library import three_js
 from vaultcad.export.viewer.scene import AROUND, ON_VAULTS, scene
 
@@ -112,8 +112,8 @@ def test_points_are_thinned_evenly_and_keep_place_and_deviation(building):
 
 def test_a_scan_without_points_and_points_without_labels_are_shown_as_far_as_they_go(make_model):
     model = make_model("sail")
-    none = section.viewer_section(model, ["sail"], None, None, None, None)
-    bare = section.viewer_section(model, ["sail"], np.eye(3), None, None, None)
+    none = embed.viewer_section(model, ["sail"], None, None, None, None)
+    bare = embed.viewer_section(model, ["sail"], np.eye(3), None, None, None)
     shown = [
         read(decompress(b64decode(re.search('data-packed="scene">([^<]*)', text)[1])))["clouds"]
         for text in (none, bare)
@@ -124,7 +124,7 @@ def test_a_scan_without_points_and_points_without_labels_are_shown_as_far_as_the
 
 def test_the_same_scan_gives_the_same_bytes(building):
     packed = [
-        section.viewer_section(building, titles(building), *evidence(building, np.random.default_rng(3))) for _ in "ab"
+        embed.viewer_section(building, titles(building), *evidence(building, np.random.default_rng(3))) for _ in "ab"
     ]
     assert packed[0] == packed[1]
     assert len(packed[0]) < 2.5e6
@@ -135,7 +135,7 @@ def test_the_library_comes_with_its_licence_or_the_page_says_why_there_is_no_vie
         r"/\*\*\s+\* @license\s+\* Copyright .* Three\.js Authors\s+\* SPDX-License-Identifier: MIT", three_js()
     )
     monkeypatch.setattr(library, "THREE", re.compile("not in it"))
-    text = section.viewer_section(make_model("barrel"), ["barrel"], None, None, None, None)
+    text = embed.viewer_section(make_model("barrel"), ["barrel"], None, None, None, None)
     assert "brings no three.js along; install trimesh 5.2" in text
     assert "<script" not in text
 

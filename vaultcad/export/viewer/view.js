@@ -1,6 +1,8 @@
 // The view: three.js's scene, drawn when something changed, and what its buttons do. Runs with `stage` and `scene`.
 
 const KEPT = { x: -1, y: 1, z: -1 }; // the half behind the section, as the first view looks
+// Of lamp and sky; colours that tell deviations are to be as in the legend.
+const LIGHTS = { ideal: [0.45, 0.62], "as-built": [0.14, 0.9], points: [0.45, 0.62] };
 
 const head = readScene(scene);
 const parts = head.parts.map((part) => new Part(part, head));
@@ -15,8 +17,9 @@ const world = new THREE.Scene();
 world.add(...parts.flatMap((part) => part.meshes), ...clouds.map((cloud) => cloud.points));
 const box = new THREE.Box3();
 for (const part of parts) box.expandByObject(part.front);
-const lamp = new THREE.DirectionalLight("#ffffff", 0.45);
-world.add(lamp, lamp.target, new THREE.HemisphereLight("#ffffff", "#d8d4cc", 0.62));
+const lamp = new THREE.DirectionalLight("#ffffff");
+const sky = new THREE.HemisphereLight("#ffffff", "#e4e1da");
+world.add(lamp, lamp.target, sky);
 const cap = new Cap(parts, box, head.stone, world);
 const measure = new Measure(world);
 const orbit = new Orbit(canvas, box, changed, clicked);
@@ -47,6 +50,7 @@ const chosen = (name) => form.elements[name].value;
 const ticked = (name) => form.elements[name].checked;
 
 function applied() {
+  [lamp.intensity, sky.intensity] = LIGHTS[chosen("show")];
   for (const part of parts) part.look(chosen("show"), Number(chosen("enlarge")), ticked("masonry"));
   for (const cloud of clouds) cloud.look(chosen("show"), ticked("around"));
   form.querySelector(".view-enlarge").hidden = chosen("show") !== "as-built";
