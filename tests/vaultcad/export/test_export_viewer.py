@@ -288,7 +288,6 @@ def test_on_a_phone_fingers_turn_and_pinch_and_all_is_within_reach(building, bro
     with browser((360, 740), phone=True) as tab:
         tab.prefer("dark")
         opened(tab, building, tmp_path / "report.html", *evidence(building, np.random.default_rng(6), 500))
-        assert tab.run("document.documentElement.scrollWidth") == 360
         sizes = tab.run("""[...document.querySelectorAll('#view3d button, #view3d label')].map(
             e => e.getBoundingClientRect()).filter(b => b.width).map(b => [b.width, b.height])""")
         assert np.min(sizes) >= 44
@@ -300,4 +299,7 @@ def test_on_a_phone_fingers_turn_and_pinch_and_all_is_within_reach(building, bro
             for kind, places in (("touchStart", a), ("touchMove", b), ("touchEnd", ())):
                 tab.touch(kind, list(zip(places[::2], places[1::2], strict=True)))
             assert (shown(tab) != before).any(axis=2).mean() > 0.01
+        for show in ("ideal", "points"):
+            tab.click(f"[name=show][value={show}]")
+            assert tab.run("document.documentElement.scrollWidth") == 360
         assert tab.console == []

@@ -87,10 +87,11 @@ function legend() {
   };
   if (chosen("show") !== "ideal") {
     const stops = head.stops.map(([share, rgb]) => `rgb(${rgb.join(" ")}) ${50 * (1 + share)}%`).join(", ");
-    const whole = span("", `−${1000 * head.limit} mm into the room`);
-    whole.append(span("view-scale", "", { background: `linear-gradient(to right, ${stops})` }));
-    whole.append(`+${1000 * head.limit} mm into the stone`);
-    bar.append(whole);
+    bar.append(
+      span("", `−${1000 * head.limit} mm into the room`),
+      span("view-scale", "", { background: `linear-gradient(to right, ${stops})` }),
+      span("", `+${1000 * head.limit} mm into the stone`),
+    );
     return;
   }
   const shown = parts.filter((part) => !part.stone);
