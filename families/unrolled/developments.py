@@ -12,17 +12,23 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from families.unrolled.patches import Array, Box, DrawnPatch, LevelPatch, Patch, TurnedPatch
 from families.unrolled.grid_spline import GridSpline
+from families.unrolled.patches import Array, Box, DrawnPatch, LevelPatch, Patch, TurnedPatch
 
-NODES, ACROSS = 257, 17  # of the net of a strip: along it, and across, an odd number
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
+
+NODES, ACROSS = 193, 17  # of the net of a strip: along it, and across, an odd number
 SEEDS = 33  # of the net from whose nearest node the way back begins, either way
 STEP = 1e-6  # of differences on the way back, as a share of the box
-TURNS = 30  # steps of Newton's at the most
-NEAR = 1e-11  # [m] at which the way back is done
+TURNS = 60  # steps on the way back at the most
+NEAR = 1e-10  # [m] at which it is done
+DAMPING, STUCK, TINY = 1e-6, 1e8, 1e-18  # of its steps: the first, what means that none is left, and against none
+GAIN = 0.999  # of the distance, that has to be left at the most for a step to be taken
 
 
 class Development(ABC):
@@ -35,40 +41,53 @@ class Development(ABC):
         """Places (n, 2) [m] of coordinates (n,)."""
 
     def coordinates(self, st: Array) -> tuple[Array, Array]:
-        """Coordinates (n,), (n,) within the box of places (n, 2): the nearest that there are, by Newton's method."""
+        """Coordinates (n,), (n,) within the box of places (n, 2), or of the nearest there are.
+
+        Damped Newton steps (Marquardt 1963), as some lines run together at poles and where webs end.
+        """
         a0, a1, b0, b1 = self.box
         low, size = np.array([a0, b0]), np.array([a1 - a0, b1 - b0])
-        seeds, tree = self._seeds
-        at = seeds[tree.query(st)[1]]
 
         def placed(share: Array) -> Array:
-            return self.flat(low[0] + size[0] * share[:, 0], low[1] + size[1] * share[:, 1])
+            return self.flat(*(low + size * share).T)
 
-        best, least = at.copy(), np.full(len(st), np.inf)
+        seeds, tree = self._seeds
+        at = seeds[tree.query(st)[1]]
+        miss = placed(at) - st
+        damping = np.full(len(st), DAMPING)
+        open_ = np.arange(len(st))
         for _ in range(TURNS):
-            miss = placed(at) - st
-            off = np.hypot(*miss.T)
-            nearer = off < least
-            best[nearer], least[nearer] = at[nearer], off[nearer]
-            if not (least > NEAR).any():
+            open_ = open_[(np.hypot(*miss[open_].T) > NEAR) & (damping[open_] < STUCK)]
+            if not len(open_):
                 break
-            inward = np.where(at > 0.5, -STEP, STEP)
-            da = (placed(at + inward * [1, 0]) - placed(at)) / inward[:, :1]
-            db = (placed(at + inward * [0, 1]) - placed(at)) / inward[:, 1:]
-            # Where the lines of b run together, as at a pole, any of them will do.
-            det = da[:, 0] * db[:, 1] - da[:, 1] * db[:, 0]
-            det = np.where(np.abs(det) < 1e-14, np.inf, det)
-            move = np.stack([db[:, 1] * miss[:, 0] - db[:, 0] * miss[:, 1], da[:, 0] * miss[:, 1] - da[:, 1] * miss[:, 0]])
-            at = np.clip(at - (move / det).T, 0.0, 1.0)
-        a, b = (low + size * best).T
+            here, off = at[open_], miss[open_]
+            inward = np.where(here > 0.5, -STEP, STEP)
+            along, across = (
+                (placed(here + inward * way) - off - st[open_]) / inward[:, k, None] for k, way in enumerate(np.eye(2))
+            )
+            p, q, r = (along**2).sum(axis=1), (along * across).sum(axis=1), (across**2).sum(axis=1)
+            p, r = p * (1 + damping[open_]) + TINY, r * (1 + damping[open_]) + TINY
+            f, g = (along * off).sum(axis=1), (across * off).sum(axis=1)
+            step = -np.stack([r * f - q * g, p * g - q * f], axis=1) / (p * r - q * q)[:, None]
+            # At the border of the box a step that leads out goes along it.
+            out = ((here <= 0) & (step < 0)) | ((here >= 1) & (step > 0))
+            step[out[:, 0], 1] = (-g / r)[out[:, 0]]
+            step[out[:, 1], 0] = (-f / p)[out[:, 1]]
+            moved = np.clip(here + step, 0.0, 1.0)
+            then = placed(moved) - st[open_]
+            nearer = np.hypot(*then.T) < GAIN * np.hypot(*off.T)
+            at[open_[nearer]], miss[open_[nearer]] = moved[nearer], then[nearer]
+            damping[open_] = np.where(nearer, damping[open_] / 10, np.maximum(damping[open_], DAMPING) * 10)
+        a, b = (low + size * at).T
         return a, b
 
     @cached_property
-    def _seeds(self) -> tuple[Array, object]:
+    def _seeds(self) -> tuple[Array, KDTree]:
         from scipy.spatial import KDTree
 
         a0, a1, b0, b1 = self.box
-        share = np.stack(np.meshgrid(*[np.linspace(0, 1, SEEDS)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
+        inside = (np.arange(SEEDS) + 0.5) / SEEDS
+        share = np.stack(np.meshgrid(inside, inside, indexing="ij"), axis=-1).reshape(-1, 2)
         return share, KDTree(self.flat(a0 + (a1 - a0) * share[:, 0], b0 + (b1 - b0) * share[:, 1]))
 
 

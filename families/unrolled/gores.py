@@ -27,6 +27,7 @@ SPARED = 0.005  # share of a strip that may be more distorted, where a web is be
 TRIED_WITHIN = 0.85 * MOST_DISTORTED  # on its coarser net
 AT_ONCE = 6  # gores at the most into which a region is cut at once
 NARROWEST = 0.06  # [m] of a region, on the mean, that is cut no more
+BORDER = 5e-4  # share of a patch by which a chart goes on beyond what shows
 ROUNDING = 1e-3
 OUTLINE_STEPS = 64  # of an edge of an outline along a whole gore
 SIMPLE = 5e-4  # [m] by which an outline may be off its finest
@@ -77,7 +78,9 @@ def charts(regions: Iterable[Region]) -> Iterator[Chart]:
         for part in _connected(region):
             alike = known.setdefault(_likeness(part), [])
             if alike:
-                yield from (_charted(replace(part, area=one.region.area), one.spine) for one in alike)
+                for one in alike:
+                    own, box = replace(part, area=one.region.area), one.development.box
+                    yield replace(one, region=own, development=developments(part.patch, box, one.spine))
             else:
                 alike += _charts(part)
                 yield from alike
@@ -127,7 +130,7 @@ def _meridian_gores(region: Region) -> list[Chart]:
     count = max(1, ceil(TRIED * sqrt(worst(cut(TRIED)) / MOST_DISTORTED) - ROUNDING))
     while worst(made := cut(count)) > MOST_DISTORTED:
         count += 1
-    return made
+    return [chart for chart in made if chart.surface > 0]
 
 
 def _strips(region: Region) -> list[Chart]:
@@ -140,6 +143,8 @@ def _strips(region: Region) -> list[Chart]:
         count = trials[spine].count
         if count == 1 or trials[spine].width < 2 * NARROWEST:
             chart = _charted(part, spine)
+            if chart.distortion > MOST_DISTORTED:
+                chart = min(chart, _charted(part, 1 - spine), key=lambda one: one.distortion)
             if chart.distortion <= MOST_DISTORTED or trials[spine].width < 2 * NARROWEST:
                 made.append(chart)
                 continue
@@ -192,7 +197,10 @@ def _divided(region: Region, axis: int, count: int) -> list[Region]:
 
 def _charted(region: Region, spine: int) -> Chart:
     a0, b0, a1, b1 = region.area.bounds
-    laid = developments(region.patch, (a0, a1, b0, b1), spine)
+    low_a, high_a, low_b, high_b = region.patch.box
+    more_a, more_b = BORDER * (high_a - low_a), BORDER * (high_b - low_b)
+    box = (max(a0 - more_a, low_a), min(a1 + more_a, high_a), max(b0 - more_b, low_b), min(b1 + more_b, high_b))
+    laid = developments(region.patch, box, spine)
     errors, areas = measured(region.patch.place, laid.flat, region.area)
     whole = float(areas.sum())
     beyond = float(areas[errors > MOST_DISTORTED].sum()) / whole if whole else 0.0

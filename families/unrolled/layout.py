@@ -17,9 +17,12 @@ if TYPE_CHECKING:
 
 GAP = 0.1  # [m] between gores
 NET = 9  # points either way, by which a gore is turned as it lies in plan
-ROUND = 0.3  # of a gore's turn in plan: one that is about as much turned either way is a band all round
+ROUND = 0.65  # of a gore's turn in plan: one that is about as much turned either way is a band all round
 APART = 1.06  # by which gores are moved apart, until they are
-FARTHEST = 6.0  # times as far from the middle as in plan; what then still overlaps is put below
+CROWDED = 2.6  # times as far from the middle as in plan, from which on each may better be moved for itself,
+STEP, ALONE = 0.08, 60.0  # by so many metres, and at the most
+FARTHEST = 6.0  # times as far from the middle as in plan at the most
+MIDDLE = 1e-3  # [m] from the middle in plan within which there is no way out of it
 LAID = 0.01  # [m] by which outlines are simplified to see whether they overlap
 
 
@@ -55,18 +58,18 @@ class _Item:
 def layout(charts: Sequence[Chart], centre: tuple[float, float]) -> list[Placement]:
     """Places for all gores of a vault about a centre in plan, no two nearer than `GAP`; bands lie in a row below."""
     import shapely
+    from shapely.affinity import translate
 
     items = [_item(chart, centre) for chart in charts]
     about = [k for k, item in enumerate(items) if not item.band]
-    shifts, left = _apart([items[k] for k in about])
+    shifts = _apart([items[k] for k in about])
     moved = {k: shift for k, shift in zip(about, shifts, strict=True) if shift is not None}
-    laid = [shapely.transform(items[k].outline, lambda xy, k=k: xy + moved[k]) for k in moved]  # type: ignore[misc]  # bound now
-    x0, foot, *_ = shapely.total_bounds(laid) if laid else (0.0, 0.0)
+    laid = [translate(items[k].outline, *shift) for k, shift in moved.items()]
+    x0, foot = shapely.total_bounds(laid)[:2].tolist() if laid else (0.0, 0.0)
     for k in [k for k in range(len(items)) if k not in moved]:
         low_x, low_y, _, high_y = items[k].outline.bounds
         moved[k] = np.array([x0 - low_x, foot - GAP - high_y])
         foot -= GAP + high_y - low_y
-    del left
     return [
         Placement(item.turn, (float(moved[k][0] - item.middle[0]), float(moved[k][1] - item.middle[1])))
         for k, item in enumerate(items)
@@ -94,29 +97,64 @@ def _item(chart: Chart, centre: tuple[float, float]) -> _Item:
     return _Item(outline, turn, middle, plan.mean(axis=0) - centre, band)
 
 
-def _apart(items: Sequence[_Item]) -> tuple[list[Array | None], int]:
-    """Shifts (2,) of gores, as far from the middle as they need, along x and y for themselves; None: there is none."""
+def _apart(items: Sequence[_Item]) -> list[Array | None]:
+    """Shifts (2,) of gores, all as many times as far from the middle as in plan; along x and y for themselves.
+
+    Where that would spread them over much more than they cover, each goes out for itself, the nearest first. None: of
+    several in the middle, all but the first.
+    """
     import shapely
+    from shapely.affinity import translate
 
-    outlines, plans = [item.outline for item in items], np.array([item.plan for item in items]).reshape(-1, 2)
+    plans = [item.plan for item in items]
 
-    def close(factor: tuple[float, float]) -> set[tuple[int, int]]:
-        laid = [shapely.transform(one, lambda xy, p=p: xy + p) for one, p in zip(outlines, plans * factor, strict=True)]  # type: ignore[misc]  # bound now
-        first, second = shapely.STRtree(laid).query(laid, predicate="dwithin", distance=GAP)
-        return {(i, j) for i, j in zip(first.tolist(), second.tolist(), strict=True) if i < j}
+    def close(factors: Sequence[float]) -> bool:
+        laid = [translate(item.outline, *(item.plan * factors)) for item in items]
+        pairs = shapely.STRtree(laid).query(laid, predicate="dwithin", distance=GAP)
+        return pairs.shape[1] > len(laid)  # each is near itself
 
     factor = 1.0
-    while (pairs := close((factor, factor))) and factor < FARTHEST:
+    while (still := close((factor, factor))) and factor < FARTHEST:
         factor *= APART
-    # What still overlaps has one middle: the later ones go.
-    gone = {j for _, j in pairs}
     factors = [factor, factor]
-    if not gone:
-        for axis in (1, 0):
-            while factors[axis] > 1.0:
-                tried = list(factors)
-                tried[axis] = max(1.0, tried[axis] / APART)
-                if close((tried[0], tried[1])):
-                    break
-                factors = tried
-    return [None if k in gone else plan * factors for k, plan in enumerate(plans)], len(gone)
+    for axis in (1, 0) if not still else ():
+        while factors[axis] > 1.0:
+            tried = [max(1.0, f / APART) if k == axis else f for k, f in enumerate(factors)]
+            if close(tried):
+                break
+            factors = tried
+    together: list[Array | None] = [plan * factors for plan in plans]
+    if factor < CROWDED:
+        return together
+    alone = _outwards(items)
+    return alone if still or _covered(items, alone) < _covered(items, together) else together
+
+
+def _covered(items: Sequence[_Item], shifts: Sequence[Array | None]) -> float:
+    """The area of the box about all [m²]."""
+    import shapely
+    from shapely.affinity import translate
+
+    laid = [translate(item.outline, *shift) for item, shift in zip(items, shifts, strict=True) if shift is not None]
+    x0, y0, x1, y1 = shapely.total_bounds(laid).tolist()
+    return float((x1 - x0) * (y1 - y0))
+
+
+def _outwards(items: Sequence[_Item]) -> list[Array | None]:
+    import shapely
+    from shapely.affinity import translate
+
+    found: list[Array | None] = [None] * len(items)
+    laid: list[Geometry] = []
+    for k in sorted(range(len(items)), key=lambda k: (round(float(np.hypot(*items[k].plan)), 6), k)):
+        reach = float(np.hypot(*items[k].plan))
+        way = items[k].plan / reach if reach > MIDDLE else None
+        steps = np.arange(0.0, ALONE, STEP) if way is not None else (0.0,)
+        for step in steps:
+            shift = items[k].plan + (0.0 if way is None else step * way)
+            there = translate(items[k].outline, *shift)
+            if not laid or not shapely.dwithin(there, laid, GAP).any():
+                found[k] = shift
+                laid.append(there)
+                break
+    return found

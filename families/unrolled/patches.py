@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 
@@ -115,8 +115,8 @@ class Patch(ABC):
 
     @cached_property
     def table(self) -> Array:
-        """The body alone, for the kernel; a cove with both its sides."""
-        part = replace(self.part, side=0) if isinstance(self.part, BarrelPart) else self.part
+        """The body alone, for the kernel."""
+        part = self.part
         names: tuple[str, ...] = (*part.names, part.below) if isinstance(part, BarrelPart) else part.names  # type: ignore[union-attr]  # a lid has no patch
         return pack((Piece((part,)),), tuple(dict.fromkeys(name for name in names if name)))
 
@@ -233,7 +233,10 @@ class LevelPatch(Patch):
 
 @dataclass(frozen=True, eq=False)
 class WebPatch(Patch):
-    """A web: a from its centre to its wall, b from rib to rib, both from 0 to 1, slower where it rises steeply."""
+    """A web: a from its centre to its wall, slower where ribs are steep; b from rib to rib, even on the wall arch.
+
+    Both run from 0 to 1.
+    """
 
     part: Web
     box: Box = (0.0, 1.0, 0.0, 1.0)
@@ -241,20 +244,29 @@ class WebPatch(Patch):
     @property
     def creases(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Where its arches become level, or steeper than a semicircle, which are of another kind; a pointed ridge."""
-        share = np.linspace(0, 1, STEPS + 1)[1:]
-        v = np.sin(share * pi / 2)
+        a = np.linspace(0, 1, STEPS + 1)[1:]
+        v = np.sin(a * pi / 2)
         ratio = web_arch_rises(v, self.table) / (v * self.table[0, HALF])
         kind = np.searchsorted([(1 + CORNER) * FLAT, 1 + CORNER], ratio)
         passes = np.flatnonzero(kind[1:] != kind[:-1])
         ridge = (0.5,) if isinstance(self.part.arch, Pointed) else ()
-        return tuple(((share[passes] + share[passes + 1]) / 2).tolist()), ridge
+        return tuple(((a[passes] + a[passes + 1]) / 2).tolist()), ridge
+
+    @cached_property
+    def _arch(self) -> tuple[Array, Array]:
+        """Shares of the length of the wall arch, and places along it, from -1 to 1."""
+        across = -np.cos(np.linspace(0, pi, STEPS + 1))
+        return _even(across, self.table[0, HALF], self._heights(np.ones_like(across), across))
+
+    def _heights(self, v: Array, across: Array) -> Array:
+        row = self.table[0]
+        return web_heights(v * row[DEPTH], v * (row[MIDDLE] + row[HALF] * across), self.table)
 
     def place(self, a: Array, b: Array) -> Array:
         """Points."""
         row, (x, y) = self.table[0], self.part.centre
-        v = np.sin(a * pi / 2)
-        along, across = v * row[DEPTH], v * (row[MIDDLE] - row[HALF] * np.cos(b * pi))
-        z = web_heights(np.ascontiguousarray(along), np.ascontiguousarray(across), self.table)
+        v, share = np.sin(a * pi / 2), np.interp(b, *self._arch)
+        along, across, z = v * row[DEPTH], v * (row[MIDDLE] + row[HALF] * share), self._heights(v, share)
         tx, ty = row[ACROSS_X], row[ACROSS_Y]
         return np.stack([x + across * tx + along * ty, y + across * ty - along * tx, z], axis=1)
 
@@ -265,8 +277,14 @@ class WebPatch(Patch):
         tx, ty = row[ACROSS_X], row[ACROSS_Y]
         across, along = x * tx + y * ty, x * ty - y * tx
         v = np.clip(along / row[DEPTH], 1e-12, 1.0)
-        share = np.clip((row[MIDDLE] - across / v) / row[HALF], -1.0, 1.0)
-        return np.arcsin(v) * 2 / pi, np.arccos(share) / pi
+        share = np.clip((across / v - row[MIDDLE]) / row[HALF], -1.0, 1.0)
+        return np.arcsin(v) * 2 / pi, np.interp(share, *self._arch[::-1])
+
+
+def _even(places: Array, scale: float, z: Array) -> tuple[Array, Array]:
+    """Shares (n,) of the length of a line up to its places (n,), of a size in metres, and these; z: its heights [m]."""
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(places) * scale, np.diff(z)))])
+    return length / length[-1], places
 
 
 def patch(part: Part, plan: Plan, floor: float) -> Patch | None:

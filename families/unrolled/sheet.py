@@ -141,18 +141,23 @@ class Sheet:
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """A patch and the leaves that show of it. cells: between all their edges, the leaf that is there, or nearest."""
+    """A patch and the leaves that show of it.
+
+    reach: of the charts, along a and b. cells: between all edges of what shows, a and b, the leaf there, or the nearest.
+    """
 
     patch: Patch
     leaves: list[int]
+    reach: tuple[tuple[float, float], tuple[float, float]]
     a: Array
     b: Array
     cells: NDArray[np.int32]
 
     @staticmethod
     def of(charts: list[Chart], leaves: list[int]) -> _Part:
-        boxes = np.array([chart.development.box for chart in charts])
+        boxes = np.array([chart.region.area.bounds for chart in charts])[:, [0, 2, 1, 3]]
         a, b = np.unique(boxes[:, :2]), np.unique(boxes[:, 2:])
+        laid = np.array([chart.development.box for chart in charts])
         x, y = (a[1:, None] + a[:-1, None]) / 2, (b[1:] + b[:-1]) / 2
         beyond = [
             np.maximum(np.maximum(a0 - x, x - a1), 0) / (a[-1] - a[0])
@@ -160,11 +165,12 @@ class _Part:
             for a0, a1, b0, b1 in boxes
         ]
         cells = np.array(leaves, np.int32)[np.argmin(beyond, axis=0)]
-        return _Part(charts[0].region.patch, leaves, a, b, cells)
+        reach = (laid[:, 0].min(), laid[:, 1].max()), (laid[:, 2].min(), laid[:, 3].max())
+        return _Part(charts[0].region.patch, leaves, reach, a, b, cells)
 
     def leaf(self, a: Array, b: Array) -> tuple[NDArray[np.int32], Array, Array]:
         """The leaves (n,) of coordinates, and these, drawn in where they are beyond."""
-        a, b = np.clip(a, self.a[0], self.a[-1]), np.clip(b, self.b[0], self.b[-1])
+        a, b = np.clip(a, *self.reach[0]), np.clip(b, *self.reach[1])
         i = np.clip(np.searchsorted(self.a, a, side="right") - 1, 0, len(self.a) - 2)
         j = np.clip(np.searchsorted(self.b, b, side="right") - 1, 0, len(self.b) - 2)
         return self.cells[i, j], a, b

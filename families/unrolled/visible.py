@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 STEPS = 97  # of the net on which limits are traced, either way
 TOUCHING = 1e-6  # [m] by which a body may stand before another and still show
+SLIVER = 1e-3  # share of the coordinates of a patch
 SILENT = 1e3  # [m]; distances beyond that are of bodies that say nothing
 LEAST = 1e-4  # [m²] of a region, in its coordinates
 
@@ -103,7 +104,7 @@ class _Net:
                 keeps = [self._traced(values) for values in limit if values.min() <= TOUCHING]
                 area = area.intersection(shapely.union_all(keeps)) if keeps else shapely.Polygon()
                 alive &= ~beyond
-        return area
+        return _without_slivers(area, box)
 
     def _limits(self, row: int, foot: float | None) -> Iterator[list[Array]]:
         """Each as values (STEPS, STEPS) of which one has to be at most `TOUCHING` where the body shows."""
@@ -154,3 +155,14 @@ class _Net:
             rings: list[NDArray[np.float64]] = [row[i:j, ::-1] for i, j in zip(ends, ends[1:], strict=False)]
             found.append(shapely.Polygon(rings[0], rings[1:]))
         return shapely.make_valid(shapely.union_all(shapely.make_valid(np.array(found, dtype=object))))
+
+
+def _without_slivers(area: Geometry, box: Box) -> Geometry:
+    """An area without what is thinner than `SLIVER` of its box, as where all lines of a patch meet at a side."""
+    import shapely
+
+    a0, a1, b0, b1 = box
+    low, size = np.array([a0, b0]), np.array([a1 - a0, b1 - b0])
+    unit = shapely.transform(area, lambda ab: (ab - low) / size)
+    kept = unit.intersection(unit.buffer(-SLIVER / 2, join_style="mitre").buffer(2 * SLIVER, join_style="mitre"))
+    return shapely.transform(kept, lambda ab: ab * size + low)
