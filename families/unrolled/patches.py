@@ -20,11 +20,14 @@ from families.declaration.profiles import Pointed
 from families.void.kernel import (
     ACROSS_X,
     ACROSS_Y,
+    BENT,
     DEPTH,
     FLAT,
     HALF,
+    KIND,
     MIDDLE,
     NO_WALLS,
+    WEB,
     pack,
     surface,
     web_arch_rises,
@@ -38,7 +41,7 @@ Box = tuple[float, float, float, float]  # the least and the largest a, the leas
 
 STEPS = 2048  # of the table of a line of a profile: 2 mm on one of 4 m, whose arcs are then 1e-7 m off at most
 CORNER = 1e-6  # 1 - cosine, or sine, of the angle from which on lines meet in a corner
-FEET = 2  # steps to a foot: distances are exact near the surface, and of bent bodies in the first order
+FEET = 2  # steps to a foot on bodies whose distances are exact in the first order alone
 
 
 @dataclass(frozen=True)
@@ -122,13 +125,13 @@ class Patch(ABC):
 
     def feet(self, xyz: Array) -> tuple[Array, Array]:
         """The nearest points (n, 3) on the body, and its signed distances (n,); where it says nothing, the points."""
-        foot, distance = np.ascontiguousarray(xyz), np.zeros(len(xyz))
-        for step in range(FEET):
-            d, _, normal = surface(foot, np.eye(3, 4), self.table, NO_WALLS)
-            known = np.isfinite(d)
-            foot = np.where(known[:, None], foot - np.where(known, d, 0.0)[:, None] * normal, foot)
-            if not step:
-                distance = d
+        exact = self.table[0, KIND] not in (BENT, WEB)
+        foot, distance = np.ascontiguousarray(xyz), None
+        for _ in range(1 if exact else FEET):
+            off, _, normal = surface(foot, np.eye(3, 4), self.table, NO_WALLS)
+            foot = foot - np.where(np.isfinite(off), off, 0.0)[:, None] * normal
+            distance = off if distance is None else distance
+        assert distance is not None
         return foot, distance
 
 
