@@ -3,7 +3,7 @@
 Planes, cylinders and cones keep all lengths. What is turned lies as gores of a polyconic projection: the middle
 meridian is straight and as long as it is, parallels are arcs as long as they are, bent as the cone that touches there
 bends them (Snyder 1987, "Map projections", ch. 18). Any other surface is a strip: its middle line and all lines across
-it keep their lengths, their angles and their curvature within the surface, which for developable ones keeps all lengths.
+it keep their lengths, their angles and their curvature within the surface; on developable ones that keeps all lengths.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -35,6 +35,7 @@ class Development(ABC):
     """A patch, or a gore of it, laid flat: coordinates within a box to places on a sheet of its own."""
 
     box: Box
+    kind: ClassVar[str]
 
     @abstractmethod
     def flat(self, a: Array, b: Array) -> Array:
@@ -96,7 +97,7 @@ class Plane(Development):
     """A plane as it is."""
 
     box: Box
-    kind = "plane"
+    kind: ClassVar[str] = "plane"
 
     def flat(self, a: Array, b: Array) -> Array:
         """Places."""
@@ -109,7 +110,7 @@ class Cylinder(Development):
 
     patch: DrawnPatch
     box: Box
-    kind = "cylinder"
+    kind: ClassVar[str] = "cylinder"
 
     @cached_property
     def _across(self) -> Array:
@@ -134,7 +135,7 @@ class Cone(Development):
 
     patch: DrawnPatch
     box: Box
-    kind = "cone"
+    kind: ClassVar[str] = "cone"
 
     @cached_property
     def _rays(self) -> tuple[Array, Array]:
@@ -161,7 +162,7 @@ class Gore(Development):
 
     patch: TurnedPatch
     box: Box
-    kind = "gore"
+    kind: ClassVar[str] = "gore"
 
     def flat(self, a: Array, b: Array) -> Array:
         """Places."""
@@ -180,7 +181,7 @@ class Strip(Development):
     patch: Patch
     box: Box
     spine: int
-    kind = "strip"
+    kind: ClassVar[str] = "strip"
 
     @cached_property
     def _spline(self) -> GridSpline:

@@ -19,12 +19,12 @@ from families.unrolled.visible import LEAST, Region
 if TYPE_CHECKING:
     from shapely import Geometry
 
-MOST_DISTORTED = 0.02  # relative error of lengths on a sheet at the most
+MOST_DISTORTED = 0.02  # relative error of lengths on a sheet at the most, the usual limit
 METRIC = 1e-3  # and of what is called metric
 TRIED = 8  # gores of what is turned by which is guessed how many are needed: the error falls with their square
 TRIAL = (129, 9)  # nodes along and across a strip that is only tried
 SPARED = 0.005  # share of a strip that may be more distorted, where a web is bent without end
-TRIED_WITHIN = 0.85 * MOST_DISTORTED  # on its coarser net
+TRIED_WITHIN = 0.85  # share of the limit, on the coarser net of a trial
 AT_ONCE = 6  # gores at the most into which a region is cut at once
 NARROWEST = 0.06  # [m] of a region, on the mean, that is cut no more
 BORDER = 5e-4  # share of a patch by which a chart goes on beyond what shows
@@ -37,8 +37,9 @@ SIMPLE = 5e-4  # [m] by which an outline may be off its finest
 class Chart:
     """One gore, or all, of a region on a sheet of its own.
 
-    distortion: the largest relative error of its lengths; where it is more than `MOST_DISTORTED` on a share of `SPARED`
-    of the surface at the most, that of the rest. spine: along which coordinate its middle line runs. beyond: the share where it is more. surface: its area [m²].
+    spine: along which coordinate its middle line runs. distortion: the largest relative error of its lengths; where it
+    is more than the limit on a share of `SPARED` of the surface at the most, that of the rest. beyond: the share where
+    it is more. surface: its area [m²].
     """
 
     region: Region
@@ -67,8 +68,8 @@ class Chart:
         return shapely.make_valid(shapely.simplify(laid, SIMPLE))
 
 
-def charts(regions: Iterable[Region]) -> Iterator[Chart]:
-    """Each region as few gores as keep lengths true within `MOST_DISTORTED`, cut at edges where it is bent both ways.
+def charts(regions: Iterable[Region], limit: float = MOST_DISTORTED) -> Iterator[Chart]:
+    """Each region as few gores as keep lengths true within a limit, cut at edges where it is bent both ways.
 
     A gore is not cut narrower than `NARROWEST`, as next to a point where a web is bent without end. What is alike is
     cut alike.
@@ -82,7 +83,7 @@ def charts(regions: Iterable[Region]) -> Iterator[Chart]:
                     own, box = replace(part, area=one.region.area), one.development.box
                     yield replace(one, region=own, development=developments(part.patch, box, one.spine))
             else:
-                alike += _charts(part)
+                alike += _charts(part, limit)
                 yield from alike
 
 
@@ -106,8 +107,8 @@ def _likeness(region: Region) -> bytes:
     return bytes(np.concatenate([apart.ravel(), border.ravel()]).round(5) + 0.0)
 
 
-def _charts(region: Region) -> list[Chart]:
-    whole = _charted(region, 0)
+def _charts(region: Region, limit: float) -> list[Chart]:
+    whole = _charted(region, 0, limit)
     if whole.distortion <= METRIC:
         return [whole]
     a0, a1, b0, b1 = region.patch.box
@@ -115,42 +116,44 @@ def _charts(region: Region) -> list[Chart]:
     boxes = [(*a, *b) for a in pairwise((a0, *along, a1)) for b in pairwise((b0, *across, b1))]
     parts = [part for box in boxes if (part := _clipped(region, box)).area.area > LEAST]
     cut = _meridian_gores if isinstance(region.patch, TurnedPatch) else _strips
-    return [chart for part in parts for chart in cut(part)]
+    return [chart for part in parts for chart in cut(part, limit)]
 
 
-def _meridian_gores(region: Region) -> list[Chart]:
+def _meridian_gores(region: Region, limit: float) -> list[Chart]:
     """As few as will do, each as wide as the others."""
 
     def cut(count: int) -> list[Chart]:
-        return [_charted(part, 0) for part in _divided(region, 1, count)]
+        return [_charted(part, 0, limit) for part in _divided(region, 1, count)]
 
     def worst(made: list[Chart]) -> float:
         return max(chart.distortion for chart in made)
 
-    count = max(1, ceil(TRIED * sqrt(worst(cut(TRIED)) / MOST_DISTORTED) - ROUNDING))
-    while worst(made := cut(count)) > MOST_DISTORTED:
+    count = max(1, ceil(TRIED * sqrt(worst(cut(TRIED)) / limit) - ROUNDING))
+    while worst(made := cut(count)) > limit:
         count += 1
     return [chart for chart in made if chart.surface > 0]
 
 
-def _strips(region: Region) -> list[Chart]:
-    """Strips either way, of equal width where that does; where a region is bent unevenly, halves of it for themselves."""
+def _strips(region: Region, limit: float) -> list[Chart]:
+    """Strips either way, of equal width where that does; where a region is bent unevenly, those of its halves."""
     made, waiting = [], [region]
     while waiting:
         part = waiting.pop()
-        trials = [_Trial.of(part, spine) for spine in (0, 1)]
-        spine = int(trials[1].count < trials[0].count)
-        count = trials[spine].count
+        trials = [_Trial.of(part, spine, limit) for spine in (0, 1)]
+        spine = int(trials[1].strips < trials[0].strips)
+        count = trials[spine].strips
         if count == 1 or trials[spine].width < 2 * NARROWEST:
-            chart = _charted(part, spine)
-            if chart.distortion > MOST_DISTORTED:
-                chart = min(chart, _charted(part, 1 - spine), key=lambda one: one.distortion)
-            if chart.distortion <= MOST_DISTORTED or trials[spine].width < 2 * NARROWEST:
+            chart = _charted(part, spine, limit)
+            if chart.distortion > limit:
+                chart = min(chart, _charted(part, 1 - spine, limit), key=lambda one: one.distortion)
+            if chart.distortion <= limit or trials[spine].width < 2 * NARROWEST:
                 made.append(chart)
                 continue
             count = 2
         options = [_divided(part, axis, 2) for axis in (0, 1)]
-        totals = [sum(min(_Trial.of(half, way).count for way in (0, 1)) for half in halves) for halves in options]
+        totals = [
+            sum(min(_Trial.of(half, way, limit).strips for way in (0, 1)) for half in halves) for halves in options
+        ]
         if count <= min(AT_ONCE, *totals):
             waiting += _divided(part, 1 - spine, count)
         else:
@@ -161,11 +164,11 @@ def _strips(region: Region) -> list[Chart]:
 class _Trial(NamedTuple):
     """As how many strips side by side a region would do, by the error that it has as one, and how wide it is [m]."""
 
-    count: int
+    strips: int
     width: float
 
     @staticmethod
-    def of(region: Region, spine: int) -> _Trial:
+    def of(region: Region, spine: int, limit: float) -> _Trial:
         import shapely
 
         a0, b0, a1, b1 = region.area.bounds
@@ -176,7 +179,7 @@ class _Trial(NamedTuple):
         inside = shapely.contains_xy(region.area, a0 + (a1 - a0) * shares[0], b0 + (b1 - b0) * shares[1])
         worst = largest(errors[inside], areas[inside], SPARED)
         long = float(np.linalg.norm(np.ptp(nodes.reshape(-1, 3), axis=0)))
-        return _Trial(max(1, ceil(sqrt(worst / TRIED_WITHIN) - ROUNDING)), float(areas[inside].sum()) / long)
+        return _Trial(max(1, ceil(sqrt(worst / (TRIED_WITHIN * limit)) - ROUNDING)), float(areas[inside].sum()) / long)
 
 
 def _clipped(region: Region, box: Box) -> Region:
@@ -195,7 +198,7 @@ def _divided(region: Region, axis: int, count: int) -> list[Region]:
     return [part for part in parts if part.area.area > region.area.area * LEAST]
 
 
-def _charted(region: Region, spine: int) -> Chart:
+def _charted(region: Region, spine: int, limit: float) -> Chart:
     a0, b0, a1, b1 = region.area.bounds
     low_a, high_a, low_b, high_b = region.patch.box
     more_a, more_b = BORDER * (high_a - low_a), BORDER * (high_b - low_b)
@@ -203,6 +206,6 @@ def _charted(region: Region, spine: int) -> Chart:
     laid = developments(region.patch, box, spine)
     errors, areas = measured(region.patch.place, laid.flat, region.area)
     whole = float(areas.sum())
-    beyond = float(areas[errors > MOST_DISTORTED].sum()) / whole if whole else 0.0
+    beyond = float(areas[errors > limit].sum()) / whole if whole else 0.0
     worst = largest(errors, areas, SPARED if 0 < beyond <= SPARED else 0.0)
     return Chart(region, laid, spine, worst, beyond, whole)

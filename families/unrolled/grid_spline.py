@@ -31,9 +31,9 @@ class GridSpline:
 
     def __call__(self, a: Array, b: Array) -> Array:
         """Places (n, 2) at coordinates (n,); beyond the net the outermost cubics go on."""
-        return _evaluated(
-            np.ascontiguousarray(a), np.ascontiguousarray(b), np.array(self.low), np.array(self.step), self.cells
-        )
+        low, step = np.array(self.low), np.array(self.step)
+        places: Array = _evaluated(np.ascontiguousarray(a), np.ascontiguousarray(b), low, step, self.cells)
+        return places
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -111,7 +111,7 @@ def _apart(items: Sequence[_Item]) -> list[Array | None]:
     def close(factors: Sequence[float]) -> bool:
         laid = [translate(item.outline, *(item.plan * factors)) for item in items]
         pairs = shapely.STRtree(laid).query(laid, predicate="dwithin", distance=GAP)
-        return pairs.shape[1] > len(laid)  # each is near itself
+        return bool(pairs.shape[1] > len(laid))  # each is near itself
 
     factor = 1.0
     while (still := close((factor, factor))) and factor < FARTHEST:

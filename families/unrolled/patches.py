@@ -69,7 +69,10 @@ class Meridian:
         u = np.maximum(u, 0.0)
         length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(u), np.diff(z)))])
         knots = [length[k * STEPS : (k + 1) * STEPS + 1] for k in range(len(rows))]
-        meets = [(before[2:, -1] @ after[2:, 0], float(own[-1])) for before, after, own in zip(rows[:-1], rows[1:], knots[:-1], strict=True)]  # noqa: B905
+        meets = [
+            (before[2:, -1] @ after[2:, 0], float(own[-1]))
+            for before, after, own in zip(rows[:-1], rows[1:], knots[:-1], strict=True)
+        ]  # noqa: B905
         breaks = [at for cosine, at in meets if cosine < 1 - CORNER]
         if abs(rows[0][2, 0]) > CORNER:  # pointed
             breaks = [0.0, *breaks]
@@ -263,7 +266,8 @@ class WebPatch(Patch):
 
     def _heights(self, v: Array, across: Array) -> Array:
         row = self.table[0]
-        return web_heights(v * row[DEPTH], v * (row[MIDDLE] + row[HALF] * across), self.table)
+        z: Array = web_heights(v * row[DEPTH], v * (row[MIDDLE] + row[HALF] * across), self.table)
+        return z
 
     def place(self, a: Array, b: Array) -> Array:
         """Points."""

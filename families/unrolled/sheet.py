@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.vault import Vault
-from families.unrolled.gores import Chart, charts
+from families.unrolled.gores import MOST_DISTORTED, Chart, charts
 from families.unrolled.layout import Placement, layout
 from families.unrolled.patches import Array, Patch
 from families.unrolled.visible import regions
@@ -66,6 +66,17 @@ class Sheet:
 
         s0, t0, s1, t1 = shapely.total_bounds([leaf.outline for leaf in self.leaves]).tolist()
         return s0, t0, s1, t1
+
+    @property
+    def distortion(self) -> float:
+        """The largest relative error of lengths on it; on the share `beyond` of the surface it is more than allowed."""
+        return max((leaf.chart.distortion for leaf in self.leaves), default=0.0)
+
+    @property
+    def beyond(self) -> float:
+        """On what share of the surface lengths are less true than they were to be, next to points of a web."""
+        whole = sum(leaf.chart.surface for leaf in self.leaves)
+        return sum(leaf.chart.beyond * leaf.chart.surface for leaf in self.leaves) / whole if whole else 0.0
 
     def lay(self, xyz: NDArray[np.floating], component: NDArray[np.integer]) -> tuple[Array, NDArray[np.int32]]:
         """Where points (n, 3) [m] in the vault's frame lie on the sheet (n, 2), by their feet on their component (n,).
@@ -177,9 +188,17 @@ class _Part:
 
 
 @lru_cache(maxsize=KEPT)
-def unrolled(vault: Vault) -> Sheet:
-    """The sheet of a vault, always the same for the same vault."""
-    made = list(charts(regions(vault)))
+def unrolled(vault: Vault, limit: float = MOST_DISTORTED) -> Sheet:
+    """The sheet of a vault, always the same for the same vault. limit: relative error of lengths on it at the most.
+
+    >>> from families import Barrel
+    >>> sheet = unrolled(Barrel(span=4, length=6))
+    >>> [round(value, 3) for value in sheet.bounds]  # half the circumference of a circle, by its length
+    [-3.142, -3.0, 3.142, 3.0]
+    >>> sheet.lift(np.array([[0.0, 1.0]]))[0].round(6).tolist()
+    [[0.0, 1.0, 2.0]]
+    """
+    made = list(charts(regions(vault), limit))
     numbers = {name: k for k, name in enumerate(vault.components, 1)}
     places = layout(made, vault.plan.centre)
     return Sheet(

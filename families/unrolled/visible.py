@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import inf, pi
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.pieces import Ball, BarrelPart, Part, Turned
-from families.declaration.plan import Plan
+from families.declaration.plan import NOTCH, SHAPE, Plan
 from families.declaration.vault import Vault
 from families.unrolled.patches import Array, Box, Patch, patch
 from families.void import kernel
@@ -100,7 +101,7 @@ class _Net:
         alive = np.ones((STEPS, STEPS), bool)
         for beyond, limit in sorted(limits, key=lambda one: -int(one[0].sum())):
             # What the others leave of the net may keep to this one without tracing.
-            if (beyond & binary_dilation(alive, np.ones((3, 3)))).any():
+            if (beyond & binary_dilation(alive, np.ones((3, 3), bool))).any():
                 keeps = [self._traced(values) for values in limit if values.min() <= TOUCHING]
                 area = area.intersection(shapely.union_all(keeps)) if keeps else shapely.Polygon()
                 alive &= ~beyond
@@ -115,7 +116,7 @@ class _Net:
         notch = []
         for k in range(len(self.plan)):
             away = self._distance(-1 - k) + inward
-            if self.plan[k, kernel.SHAPE] == kernel.NOTCH:
+            if self.plan[k, SHAPE] == NOTCH:
                 notch.append(away)
             else:
                 yield [away, *free]
@@ -152,7 +153,7 @@ class _Net:
         points, offsets = lines.filled(-2 * SILENT, TOUCHING)
         found = []
         for row, ends in zip(points, offsets, strict=True):
-            rings: list[NDArray[np.float64]] = [row[i:j, ::-1] for i, j in zip(ends, ends[1:], strict=False)]
+            rings: list[NDArray[np.float64]] = [row[i:j, ::-1] for i, j in pairwise(ends)]
             found.append(shapely.Polygon(rings[0], rings[1:]))
         return shapely.make_valid(shapely.union_all(shapely.make_valid(np.array(found, dtype=object))))
 

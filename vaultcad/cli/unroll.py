@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -64,7 +65,7 @@ def unroll(
         scan = read_labelled_scan(result)
         bar.stage("laying flat")
         with replacing_folder(out, force=force) as place:
-            notes = write_maps(
+            written = write_maps(
                 scan,
                 place.part,
                 () if vault is None else (vault,),
@@ -72,8 +73,20 @@ def unroll(
                 what=chosen,
                 progress=lambda name: bar.stage("laying flat", name),
             )
-    _say(notes)
+    _say(written.notes)
+    for sheet in written.sheets:
+        typer.echo(_told(sheet))
     typer.echo(f"unrolled to {out}")
+
+
+def _told(sheet: Mapping[str, Any]) -> str:
+    """How large a sheet is, and how true lengths are on it."""
+    left, foot, right, top = sheet["bounds"]
+    parts, more = len(sheet["parts"]), sheet["distorted_more"]
+    worst = min(sheet["distortion"], sheet["distortion_limit"]) if more else sheet["distortion"]
+    true = f"lengths within {100 * worst:.2f} %" + (f" but for {100 * more:.2f} % of the surface" if more else "")
+    size = f"{right - left:.2f} x {top - foot:.2f} m in pixels of {1000 * sheet['pixel']:g} mm"
+    return f"vault {sheet['vault']}: {sheet['family']}, {parts} {'part' if parts == 1 else 'parts'}, {size}; {true}"
 
 
 def _bring_back(result: Path, drawn: Path, out: Path, vault: int | None) -> None:
@@ -98,6 +111,6 @@ def _bring_back(result: Path, drawn: Path, out: Path, vault: int | None) -> None
     typer.echo(f"{len(lifted)} lines of {len(lines)} drawn: {out}")
 
 
-def _say(notes: list[str]) -> None:
+def _say(notes: Iterable[str]) -> None:
     for note in notes:
         typer.echo(f"vaultcad: {note}", err=True)

@@ -1,8 +1,9 @@
-"""Lines that were drawn on a sheet, on the vault as it stands: on the ideal surface, moved by what was measured there."""
+"""Lines drawn on a sheet, on the vault as it stands: on the ideal surface, moved by what was measured there."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,7 +82,7 @@ def _on_parts(laid: LaidScan, line: DrawnLine) -> Iterator[tuple[Array, int]]:
 def _followed(points: Array) -> Array:
     """A line with further points (n, 2), none farther than `STEP` from the next."""
     rows = [points[:1]]
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in pairwise(points):
         count = max(1, int(np.ceil(np.hypot(*(b - a)) / STEP)))
         rows.append(a + (b - a) * np.linspace(0, 1, count + 1)[1:, None])
     return np.concatenate(rows)
@@ -113,4 +114,5 @@ class _Measured:
                 here = np.clip(x + i, 0, self._shape[0] - 1), np.clip(y + j, 0, self._shape[1] - 1)
                 total += self._sums[here]
                 count += self._counts[here]
-        return np.divide(total, count, out=np.full(len(st), np.nan), where=count > 0)
+        mean: Array = np.divide(total, count, out=np.full(len(st), np.nan), where=count > 0)
+        return mean

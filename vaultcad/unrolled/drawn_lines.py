@@ -70,9 +70,8 @@ def write_lifted(lines: Sequence[LiftedLine], path: Path) -> None:
 
 def write_sheet(sheet: Sheet, lines: Iterable[Contour], path: Path) -> None:
     """Outlines and names of the components and lines of one level, as DXF in metres of the sheet."""
-    from ezdxf.addons.r12writer import r12writer
-
     import shapely
+    from ezdxf.addons.r12writer import r12writer
 
     with r12writer(path) as dxf:
         for leaf in sheet.leaves:
@@ -98,7 +97,7 @@ def _read_dxf(path: Path) -> Iterator[DrawnLine]:
         raise ValueError(error) from error
     for entity in document.modelspace().query("LINE LWPOLYLINE POLYLINE SPLINE ARC CIRCLE ELLIPSE"):
         if entity.dxf.layer not in OWN_LAYERS:
-            points = [(v.x, v.y) for v in make_path(entity).flattening(FLAT)]  # type: ignore[arg-type]  # of such entities
+            points = [(v.x, v.y) for v in make_path(entity).flattening(FLAT)]
             yield DrawnLine(str(entity.dxf.layer), np.array(points))
 
 
@@ -142,7 +141,11 @@ def _write_json(lines: Sequence[LiftedLine], path: Path) -> None:
     features = [
         {
             "type": "Feature",
-            "properties": {"name": line.name, "component": line.component, "deviation": line.deviation.round(6).tolist()},
+            "properties": {
+                "name": line.name,
+                "component": line.component,
+                "deviation": line.deviation.round(6).tolist(),
+            },
             "geometry": {"type": "LineString", "coordinates": line.points.round(6).tolist()},
         }
         for line in lines

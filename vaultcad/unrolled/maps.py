@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from math import degrees
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from families.unrolled.gores import MOST_DISTORTED
 from families.unrolled.sheet import Leaf, Sheet
@@ -25,6 +25,13 @@ ABOUT = (
 )
 
 
+class Written(NamedTuple):
+    """What could not be made, in words, and what was, as in the file `UNROLLED`."""
+
+    notes: tuple[str, ...]
+    sheets: tuple[Mapping[str, Any], ...]
+
+
 def write_maps(
     scan: LabelledScan,
     folder: Path,
@@ -33,14 +40,15 @@ def write_maps(
     pixel: float | None = None,
     what: Collection[str] = WHAT,
     progress: Callable[[str], None] = lambda name: None,
-) -> list[str]:
-    """Write the maps of vaults, by their 1-based numbers, or of all; what could not be made is told in words.
+) -> Written:
+    """Write the maps of vaults, by their 1-based numbers, or of all.
 
     Raises:
         ExportError: there is no such vault, or a sheet would have too many pixels.
         OSError: a file cannot be written.
     """
-    notes, told = [], []
+    notes: list[str] = []
+    told: list[dict[str, Any]] = []
     for number in numbers or range(1, len(scan.model.vaults) + 1):
         check_number(scan, number)
         progress(f"vault {number}")
@@ -70,7 +78,7 @@ def write_maps(
         told.append({"vault": number, "pixel": found.pixel, "files": files, **plain_sheet(laid.sheet)})
     whole = {"schema": SCHEMA, "about": ABOUT, "unit": "m", "sheets": told}
     (folder / UNROLLED).write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
-    return notes
+    return Written(tuple(notes), tuple(told))
 
 
 def check_number(scan: LabelledScan, number: int) -> None:
@@ -80,14 +88,13 @@ def check_number(scan: LabelledScan, number: int) -> None:
 
 
 def plain_sheet(sheet: Sheet) -> dict[str, Any]:
-    """What a sheet is made of, as plain values: each part's body, coordinates, place on the sheet, and how true it is."""
+    """What a sheet is made of, as plain values: body, coordinates and place of each part, and how true it is."""
     return {
         "family": sheet.vault.id,
         "bounds": [round(value, 6) for value in sheet.bounds],
-        "distortion": max((leaf.chart.distortion for leaf in sheet.leaves), default=0.0),
-        "distorted_more": sum(leaf.chart.beyond * leaf.chart.surface for leaf in sheet.leaves)
-        / max(sum(leaf.chart.surface for leaf in sheet.leaves), 1e-12),
+        "distortion": sheet.distortion,
         "distortion_limit": MOST_DISTORTED,
+        "distorted_more": sheet.beyond,
         "parts": [_plain_leaf(leaf) for leaf in sheet.leaves],
     }
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 LEVELS = 255  # shades of a palette; the one before them is clear
 CLEAR = 0
+THINNED = 7  # one of so many pixels tells where shades end
 STRETCHED = (0.02, 0.98)  # between which shares of the pixels intensities and heights are stretched
 PACKED = 3  # of zlib's levels: twice as fast as its usual one, and a tenth larger
 SCALE, TIEPOINT, KEYS, NO_DATA = 33550, 33922, 34735, 42113  # tags of GeoTIFF (OGC 19-008r4) and of GDAL
@@ -81,9 +82,6 @@ def _ends(values: NDArray[np.float32], what: str) -> tuple[float, float]:
         return -limit, limit
     low, high = np.quantile(known, STRETCHED).tolist() if len(known) else (0.0, 1.0)
     return low, max(high, low + 1e-6)
-
-
-THINNED = 7  # of the pixels by which ends are found
 
 
 def _palette(what: str, values: NDArray[np.float64], limit: float) -> NDArray[np.uint8]:

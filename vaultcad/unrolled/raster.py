@@ -50,13 +50,14 @@ class LaidScan:
         """Of each point (n,), or its colours (n, 3); None where the scan has none."""
         match what:
             case "deviation":
-                return self.scan.deviation[self.which]
+                found: NDArray[Any] | None = self.scan.deviation
             case "height":
-                return self.scan.xyz[self.which, 2]
+                found = self.scan.xyz[:, 2]
             case "intensity":
-                return None if self.scan.intensity is None else self.scan.intensity[self.which]
-        color = self.scan.color
-        return None if color is None or not color.any() else color[self.which]
+                found = self.scan.intensity
+            case _:
+                found = self.scan.color if self.scan.color is not None and self.scan.color.any() else None
+        return None if found is None else found[self.which]
 
 
 def lay_scan(scan: LabelledScan, number: int) -> LaidScan:
