@@ -72,7 +72,7 @@ class Meridian:
         meets = [
             (before[2:, -1] @ after[2:, 0], float(own[-1]))
             for before, after, own in zip(rows[:-1], rows[1:], knots[:-1], strict=True)
-        ]  # noqa: B905
+        ]
         breaks = [at for cosine, at in meets if cosine < 1 - CORNER]
         if abs(rows[0][2, 0]) > CORNER:  # pointed
             breaks = [0.0, *breaks]

@@ -154,7 +154,7 @@ class Sheet:
 class _Part:
     """A patch and the leaves that show of it.
 
-    reach: of the charts, along a and b. cells: between all edges of what shows, a and b, the leaf there, or the nearest.
+    reach: of the charts, along a and b. cells: between all edges of what shows, a and b, the leaf there or nearest.
     """
 
     patch: Patch

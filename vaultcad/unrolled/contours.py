@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from vaultcad.unrolled.raster import Raster
 
 CELL = 0.05  # [m] over which lines are smoothed
-FEWEST = 3  # places of a line that is kept
+FEWEST = 3  # cells that a sheet with lines has
+SHORTEST = 0.2  # [m] of a line that is kept
 SIMPLE = 0.005  # [m] by which a line may be off
 SPREAD = 1.0  # cells of the smoothing's standard deviation
 COVERED = 0.3  # weight of a cell with what is around it from which on it is known
@@ -44,9 +45,9 @@ def contours(found: Raster, what: str, raised: float = 0.0) -> list[Contour]:
     kept = []
     for k in range(ceil(low / step), floor(high / step) + 1):
         for line in lines.lines(k * step):
-            simple = shapely.get_coordinates(shapely.simplify(shapely.LineString(line), SIMPLE))
-            if len(simple) >= FEWEST:
-                kept.append(Contour(what, k * step, simple))
+            simple = shapely.simplify(shapely.LineString(line), SIMPLE)
+            if shapely.length(simple) >= SHORTEST:
+                kept.append(Contour(what, k * step, shapely.get_coordinates(simple)))
     return kept
 
 

@@ -93,7 +93,7 @@ def _read_dxf(path: Path) -> Iterator[DrawnLine]:
 
     try:
         document = ezdxf.readfile(path)
-    except DXFError as error:
+    except (DXFError, OSError) as error:  # which it also raises for what is no DXF
         raise ValueError(error) from error
     for entity in document.modelspace().query("LINE LWPOLYLINE POLYLINE SPLINE ARC CIRCLE ELLIPSE"):
         if entity.dxf.layer not in OWN_LAYERS:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 BLOCK = 16  # pixels of the blocks by which it is told how far apart points lie, with those around each
 FEWEST = 9  # points in a block and those around it, below which nothing is filled
-REACH = 1.6  # of the distance between points, as far as a pixel may be from one
+REACH = 2.2  # of the distance between points, as far as a pixel may be from one: few quarters are then without any
 FARTHEST = 12  # pixels at the most
 SIDES = 3  # of the four quarters around a pixel in which there have to be points: rims of holes do not grow
 

@@ -93,10 +93,11 @@ class Raster:
 
 
 def pixel_for(laid: LaidScan) -> float:
-    """The smallest of the usual sides of a pixel [m] that points fill, and with which the sheet is not too large."""
+    """The smallest of the usual sides of a pixel [m] that points fill; a larger one where the sheet is too large."""
     s0, t0, s1, t1 = laid.sheet.bounds
-    fits = [p for p in (*PIXELS, *LARGER) if (s1 - s0) * (t1 - t0) <= MOST_PIXELS * p * p] or [LARGER[-1]]
-    return next((p for p in fits if p >= laid.spacing), min(fits[-1], max(PIXELS[-1], fits[0])))
+    dense = next((p for p in PIXELS if p >= laid.spacing), PIXELS[-1])
+    least = sqrt((s1 - s0) * (t1 - t0) / MOST_PIXELS)
+    return next((p for p in (*PIXELS, *LARGER) if p >= max(dense, least)), LARGER[-1])
 
 
 def raster(laid: LaidScan, pixel: float, what: Iterable[str]) -> Raster:
