@@ -54,7 +54,7 @@ def write_values(found: Raster, what: str, path: Path, raised: float = 0.0) -> N
         tags.tagtype[tag] = kind
         tags[tag] = value
     picture = Image.fromarray((found.channels[what] + np.float32(raised)).astype(np.float32))
-    picture.save(path, "TIFF", compression="tiff_adobe_deflate", tiffinfo=tags)
+    picture.save(path, "TIFF", compression="tiff_lzw", tiffinfo=tags)
 
 
 def _picture(values: NDArray[np.float32], what: str) -> Image:

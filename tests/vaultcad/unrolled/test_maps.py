@@ -172,7 +172,11 @@ def test_lines_are_read_from_and_written_to_each_kind_of_file(barrel, tmp_path, 
     elif suffix == ".csv":
         path.write_text("line,s,t\n" + "".join(f"crack,{s},{t}\n" for s, t in points))
     else:
-        line = {"type": "Feature", "properties": {"name": "crack"}, "geometry": {"type": "LineString", "coordinates": points}}
+        line = {
+            "type": "Feature",
+            "properties": {"name": "crack"},
+            "geometry": {"type": "LineString", "coordinates": points},
+        }
         path.write_text(json.dumps({"type": "FeatureCollection", "features": [line]}))
     (drawn,) = read_lines(path)
     assert drawn.name == "crack"
