@@ -11,7 +11,7 @@ from families.drawing.sheet import Drawing
 from families.unrolled.sheet import unrolled
 from vaultcad.export.seen import PER_CELL, Seen
 
-CELLS = (100, 80, 60, 45, 30)  # along the longer side of the sheet; the first in which points lie in most cells
+CELLS = (75, 60, 45, 30)  # along the longer side of the sheet; the first in which points lie in most cells
 DISTORTED = 0.1  # relative error of lengths: fewer gores than on the maps of `vaultcad unroll`
 SIMPLE = 0.01  # [m] by which outlines may be off
 MARGIN = 0.08  # around the sheet, in parts of its larger side

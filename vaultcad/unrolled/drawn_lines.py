@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,11 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.unrolled.sheet import Sheet
+from vaultcad.dxf_document import Layer, add_layers, dxf_document
 from vaultcad.errors import ExportError
 from vaultcad.unrolled.contours import Contour
 
 OUTLINES, NAMES = "OUTLINES", "NAMES"
-OWN_LAYERS = {OUTLINES, NAMES, "DEVIATION", "HEIGHT"}  # of sheets that `write_sheet` wrote: no one has drawn those
+LAYERS = {  # of sheets that `write_sheet` wrote: what is on them no one has drawn
+    OUTLINES: Layer(7, "CONTINUOUS", 35),
+    NAMES: Layer(8, "CONTINUOUS", 18),
+    "DEVIATION": Layer(1, "CONTINUOUS", 18),
+    "HEIGHT": Layer(3, "CONTINUOUS", 13),
+}
+DRAWN = Layer(6, "CONTINUOUS", 25)
+FORBIDDEN = re.compile(r"[<>/\\\":;?*|=`,]")  # in names of layers
 LETTER = 0.08  # [m]
 FLAT = 0.002  # [m] by which a chord may be off a curve that is read
 Array = NDArray[np.float64]
@@ -68,22 +77,28 @@ def write_lifted(lines: Sequence[LiftedLine], path: Path) -> None:
     WRITERS[path.suffix.lower()](lines, path)
 
 
-def write_sheet(sheet: Sheet, lines: Iterable[Contour], path: Path) -> None:
-    """Outlines and names of the components and lines of one level, as DXF in metres of the sheet."""
+def write_sheet(sheet: Sheet, lines: Iterable[Contour], path: Path, place: str) -> None:
+    """Outlines and names of the components, lines of one level: DXF in metres of the sheet; place: which that is."""
     import shapely
-    from ezdxf.addons.r12writer import r12writer
+    from ezdxf.enums import TextEntityAlignment
 
-    with r12writer(path) as dxf:
+    def written(text: str, at: Array, height: float, layer: str) -> None:
+        entity = space.add_text(text, height=height, dxfattribs={"layer": layer})
+        entity.set_placement(tuple(at.round(6).tolist()), align=TextEntityAlignment.MIDDLE_CENTER)
+
+    with dxf_document(path, place) as document:
+        add_layers(document, LAYERS)
+        space = document.modelspace()
         for leaf in sheet.leaves:
             for part in shapely.get_parts(leaf.outline):
                 for ring in (part.exterior, *part.interiors) if isinstance(part, shapely.Polygon) else ():
-                    dxf.add_polyline_2d(shapely.get_coordinates(ring).round(6).tolist(), layer=OUTLINES)
-            at = leaf.outline.representative_point()
-            dxf.add_text(leaf.name, (round(at.x, 6), round(at.y, 6)), height=LETTER, layer=NAMES)
+                    corners = shapely.get_coordinates(ring)[:-1].round(6).tolist()
+                    space.add_lwpolyline(corners, close=True, dxfattribs={"layer": OUTLINES})
+            written(leaf.name, shapely.get_coordinates(leaf.outline.representative_point())[0], LETTER, NAMES)
         for line in lines:
-            dxf.add_polyline_2d(line.line.round(6).tolist(), layer=line.what.upper())
-            s, t = line.line[len(line.line) // 2].round(6).tolist()
-            dxf.add_text(f"{line.level:.3f}", (s, t), height=LETTER / 2, layer=line.what.upper())
+            layer = line.what.upper()
+            space.add_lwpolyline(line.line.round(6).tolist(), dxfattribs={"layer": layer})
+            written(f"{line.level:.3f}", line.line[len(line.line) // 2], LETTER / 2, layer)
 
 
 def _read_dxf(path: Path) -> Iterator[DrawnLine]:
@@ -96,7 +111,7 @@ def _read_dxf(path: Path) -> Iterator[DrawnLine]:
     except (DXFError, OSError) as error:  # which it also raises for what is no DXF
         raise ValueError(error) from error
     for entity in document.modelspace().query("LINE LWPOLYLINE POLYLINE SPLINE ARC CIRCLE ELLIPSE"):
-        if entity.dxf.layer not in OWN_LAYERS:
+        if entity.dxf.layer not in LAYERS:
             points = [(v.x, v.y) for v in make_path(entity).flattening(FLAT)]
             yield DrawnLine(str(entity.dxf.layer), np.array(points))
 
@@ -130,11 +145,11 @@ def _read_csv(path: Path) -> Iterator[DrawnLine]:
 
 
 def _write_dxf(lines: Sequence[LiftedLine], path: Path) -> None:
-    from ezdxf.addons.r12writer import r12writer
-
-    with r12writer(path) as dxf:
-        for line in lines:
-            dxf.add_polyline(line.points.round(6).tolist(), layer=line.name)
+    names = [FORBIDDEN.sub("_", line.name) or "0" for line in lines]
+    with dxf_document(path, "coordinates of the scan's file") as document:
+        add_layers(document, {name: DRAWN for name in dict.fromkeys(names) if name not in document.layers})
+        for line, name in zip(lines, names, strict=True):
+            document.modelspace().add_polyline3d(line.points.round(6).tolist(), dxfattribs={"layer": name})
 
 
 def _write_json(lines: Sequence[LiftedLine], path: Path) -> None:

@@ -73,7 +73,7 @@ def write_maps(
                     files.append(path.with_suffix(".tif").name)
             if name in MEASURED:
                 lines += contours(found, name, raised.get(name, 0.0))
-        write_sheet(laid.sheet, lines, folder / f"vault-{number}.dxf")
+        write_sheet(laid.sheet, lines, folder / f"vault-{number}.dxf", f"unrolled sheet of vault {number}")
         files.append(f"vault-{number}.dxf")
         told.append({"vault": number, "pixel": found.pixel, "files": files, **plain_sheet(laid.sheet)})
     whole = {"schema": SCHEMA, "about": ABOUT, "unit": "m", "sheets": told}
