@@ -47,9 +47,13 @@ class Cut:
 
     @property
     def title(self) -> str:
-        """Which it is, and what its arches may be."""
-        kinds = "; ".join(dict.fromkeys(" or ".join(said(arch.odds)) for arch in self.arches))
-        return f"Section {self.letter}–{self.letter}, {self.kind}{': ' + kinds if kinds else ''}"
+        """Which it is."""
+        return f"Section {self.letter}–{self.letter}, {self.kind}"
+
+    @property
+    def says(self) -> str:
+        """What its arches may be."""
+        return "; ".join(dict.fromkeys(" or ".join(said(arch.odds)) for arch in self.arches))
 
 
 def section_view(model: Assembly, placed: PlacedVault, section: Cut, scale: int) -> View:
@@ -63,7 +67,7 @@ def section_view(model: Assembly, placed: PlacedVault, section: Cut, scale: int)
     marks += behind + inner
     marks += [_path("AS-BUILT", row) for row in section.as_built]
     marks += [_path("SCAN", row) for row in section.scan]
-    view = view_of(section.title, marks)
+    view = view_of(section.title, marks, section.says)
     mm = scale / 1000.0
     left, right = float(view.low[0]), float(view.high[0])
     out = AWAY * mm

@@ -38,9 +38,8 @@ def vault_sheet(model: Assembly, number: int, wish: Wish, sections: Sequence[Sec
     placed = model.vaults[number - 1]
     cuts = tuple(cuts_of(placed, [one for one in sections if one.vault == number]))
 
-    def views(scale: int) -> Sequence[Sequence[View]]:
-        sections = [section_view(model, placed, one, scale) for one in cuts]
-        return [sections, [plan_view(model, placed, cuts, scale)]]
+    def views(scale: int) -> Sequence[View]:
+        return [*(section_view(model, placed, one, scale) for one in cuts), plan_view(model, placed, cuts, scale)]
 
     title = f"Vault {number}: {placed.vault.title}"
     fields = (*_fields(model, placed), *scan_fields(model))
