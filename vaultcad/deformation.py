@@ -1,4 +1,4 @@
-"""What is told of how a vault has moved, as plain values: figures with limits against references, and what they resemble."""
+"""What is told of how a vault has moved, as plain values: figures with limits, and which mechanism they resemble."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Against:
 
 @dataclass(frozen=True)
 class Resemblance:
-    """How far a movement resembles a mechanism: its odds against the others, and which share of the variance it tells."""
+    """How far a movement resembles a mechanism: its odds against the others, and the share of the variance it tells."""
 
     mechanism: str
     odds: float

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 LARGE = 0.03  # m, standard deviation of each shape beforehand: vaults that stand have moved by centimetres
-SHORT = 0.75  # m below the springing in which a movement of walls may fade; it may also take to the floor
-STANDS = 2  # times that
+SHORT = 0.75  # m below the springing in which a movement of walls may fade
+TWICE = 2.0  # times that, or to the floor
 
 
 @dataclass(frozen=True)
@@ -50,13 +50,17 @@ def _along(axis: int, values: Array) -> Array:
 
 
 def _fading(points: Array, body: Body) -> Iterator[Array]:
-    """From 1 at the springing to 0 at the crown, and down the walls."""
-    up = _upwards(points, body)
-    ends = sorted({min(reach, body.depth) for reach in (SHORT, STANDS * SHORT, body.depth)})
-    for end in ends:
+    """From 1 at the springing to 0 at the crown, and down the walls: with a hinge at the springing, and without.
+
+    Halves of an arch that turn as bodies move in proportion to the height, as walls do that turn about their foot.
+    """
+    up, below = _upwards(points, body), points[:, 2] < 0
+    for end in sorted({min(reach, body.depth) for reach in (SHORT, TWICE * SHORT, body.depth)}):
         down = np.clip(1 + points[:, 2] / end, 0, 1)
-        yield (1 - up) * down
-        yield (1 - up) ** 2 * down
+        for fading in (down, down**2 * (3 - 2 * down)):
+            yield np.where(below, fading, 1 - up)
+    yield up * (1 - up)
+    yield up**2 * (1 - up)
 
 
 def _spreading(axis: int) -> Fields:
@@ -131,12 +135,14 @@ MECHANISMS: tuple[Mechanism, ...] = (
         "one support sinks against the other; cracks run along the vault at the crown and over the lower haunch",
     ),
     Mechanism("twist", ("twist",), "two opposite corners sink against the other two; cracks run along a diagonal"),
-    Mechanism("leaning to one side", ("lean x", "lean y"), "opposite walls lean the same way, and the vault sways with them"),
+    Mechanism(
+        "leaning to one side", ("lean x", "lean y"), "opposite walls lean the same way, and the vault sways with them"
+    ),
     Mechanism("local bulges", (), "uneven waves and bulges that none of the other mechanisms tells"),
 )
 
 
 def shapes(points: Array, body: Body) -> tuple[Array, NDArray[np.str_]]:
-    """All fields of `PARTS` at points (n, 3) in the vault's frame: (n, k, 3) [m], each of unit size; and whose each is."""
+    """All fields of `PARTS` at points (n, 3) in the vault's frame: (n, k, 3) [m], of unit size; and whose each is."""
     found = [(name, field) for name, fields in PARTS.items() for field in fields(points, body)]
     return np.stack([field for _, field in found], axis=1), np.array([name for name, _ in found])

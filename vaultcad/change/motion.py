@@ -1,4 +1,4 @@
-"""How stone has moved, estimated from how far it lies from a reference: figures as linear functionals of a random field.
+"""How stone has moved, estimated from how far it lies off a reference: figures as linear functionals of a field.
 
 Universal kriging (Cressie 1993, 3.4; Rasmussen and Williams 2006, 2.7): the deviations of blocks of stone are what the
 reference may be wrong by, plus the shapes of known mechanisms, plus waves as smooth as `vaultcad.fit.settlement` has
@@ -20,7 +20,8 @@ from vaultcad.fit.settlement import LENGTHS, PRIOR, ROUGHNESSES, STRENGTHS
 
 Array = NDArray[np.float64]
 
-COARSE = slice(None, None, 2)  # of strengths and roughnesses, to be quick
+EVERY = 3  # of strengths and roughnesses which one is taken, to be quick
+USUAL_ROUGHNESS = 0.002  # m, standard deviation of a block from a smooth field
 SHARE = 1e-3  # of the likelihood, below which a field is forgotten
 
 
@@ -110,15 +111,21 @@ class Trend:
             np.hstack([none, self.figures]),
         )
 
+    def likeliest(self, deviation: Array, near: NDArray[np.bool_]) -> Array:
+        """The unknowns (u,) by those of the deviations (m,) [m] that are `near`, as if there were no waves."""
+        slopes, rough = self.slopes[near], USUAL_ROUGHNESS**-2
+        inverse = rough * slopes.T @ slopes + np.diag(self.precision)
+        out: Array = np.linalg.solve(inverse, rough * slopes.T @ deviation[near] + self.precision * self.mean)
+        return out
 
-def estimated(deviation: Array, trend: Trend, waves: Waves) -> Estimated:
+
+def estimated(deviation: Array, trend: Trend, waves: Waves, every: int = EVERY) -> Estimated:
     """Figures from the deviations of blocks (m,) [m], averaged over all fields that are likely."""
-    fields = [one for k in range(len(LENGTHS)) for one in _of_length(k, deviation, trend, waves)]
+    fields = [one for k in range(len(LENGTHS)) for one in _of_length(k, deviation, trend, waves, every)]
     likelihood = np.array([one[0] for one in fields])
-    share = np.exp((likelihood - likelihood.max()) / DOUBT)
-    share /= share.sum()
-    kept = np.flatnonzero(share > SHARE * share.max())
-    share = share[kept] / share[kept].sum()
+    odds = np.exp((likelihood - likelihood.max()) / DOUBT)
+    kept = np.flatnonzero(odds > SHARE * odds.max())
+    share: Array = odds[kept] / odds[kept].sum()
     moments = [_moments(fields[k], trend, waves) for k in kept]
     means, variances = np.stack([m for m, _ in moments]), np.stack([v for _, v in moments])
     mean = share @ means
@@ -138,16 +145,17 @@ def mixed(parts: list[tuple[float, Estimated]]) -> tuple[Array, Array]:
 
 
 _Field = tuple[float, int, float, Array, Array, Array, Array]
-"""Log likelihood, index of the length, variance of the waves, of blocks in the eigenbasis (m,), unknowns (u,), the inverse
-of their covariance (u, u), and what they leave of the deviations (m,)."""
+"""Log likelihood, index of the length, variance of the waves, and of blocks in the eigenbasis (m,), unknowns (u,),
+the inverse of their covariance (u, u), and what they leave of the deviations (m,)."""
 
 
-def _of_length(k: int, deviation: Array, trend: Trend, waves: Waves) -> list[_Field]:
+def _of_length(k: int, deviation: Array, trend: Trend, waves: Waves, every: int) -> list[_Field]:
     values, vectors = waves.values[k], waves.vectors[k]
     slopes, rest = vectors.T @ trend.slopes, vectors.T @ deviation
     found: list[_Field] = []
-    for i, strength in enumerate(STRENGTHS[COARSE] ** 2):
-        for rough in ROUGHNESSES[COARSE] ** 2:
+    for i in range(0, len(STRENGTHS), every):
+        strength = float(STRENGTHS[i] ** 2)
+        for rough in ROUGHNESSES[::every] ** 2:
             variance = strength * values + rough
             weighted = slopes / variance[:, None]
             inverse = weighted.T @ slopes + np.diag(trend.precision)
@@ -155,8 +163,8 @@ def _of_length(k: int, deviation: Array, trend: Trend, waves: Waves) -> list[_Fi
             unknown = np.linalg.solve(inverse, pull)
             misfit = float(rest @ (rest / variance) + trend.precision @ trend.mean**2 - pull @ unknown)
             volume = float(np.linalg.slogdet(inverse)[1] - np.log(trend.precision).sum())
-            likelihood = -0.5 * (float(np.log(variance).sum()) + volume + misfit) + float(PRIOR[k, COARSE][i])
-            found.append((likelihood, k, float(strength), variance, unknown, inverse, rest - slopes @ unknown))
+            likelihood = -0.5 * (float(np.log(variance).sum()) + volume + misfit) + float(PRIOR[k, i])
+            found.append((likelihood, k, strength, variance, unknown, inverse, rest - slopes @ unknown))
     return found
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from families import Vault
 from vaultcad.change.mechanisms import Body
 from vaultcad.change.motion import Places
+from vaultcad.deformation import Movement
 
 Array = NDArray[np.float64]
 Term = tuple[Array, Array]  # a place (3,) [m] and a way (3,), times its weight
@@ -19,11 +20,14 @@ Term = tuple[Array, Array]  # a place (3,) [m] and a way (3,), times its weight
 QUARTERS = (0.25, 0.5, 0.75)
 AXES = ("x", "y")
 DOWN = np.array([0.0, 0.0, -1.0])
+SPOTS: Array = np.linspace(-0.5, 0.5, 5)  # along a side, from its middle, as shares of its half
 INWARDS = 0.999  # places on the plan's edge are taken so far from its middle
 STEPS = 40  # of halving the height in which the intrados is
 NEAR = 1.5  # m; a wall without stone so near has not been seen
 DEEPEST = 1.5  # m below the springing over which the rotation of walls is taken, or as far as they are seen
 SHALLOWEST = 0.3  # m of a wall that tell no rotation
+SURE = 1.96  # standard deviations of the 95 % of a normal distribution
+VERTICAL = 5e-5  # m/m, standard deviation of a scan's vertical: 10 arc seconds, as levelled scanners state it
 WINDS = ("N", "NE", "E", "SE", "S", "SW", "W", "NW")
 
 
@@ -31,7 +35,7 @@ WINDS = ("N", "NE", "E", "SE", "S", "SW", "W", "NW")
 class Reading:
     """A figure to be read: its terms add up to it.
 
-    words: of a positive and a negative value; "{}" stands for the wind. facing: (3,) in the vault's frame, whose azimuth
+    words: of a positive and a negative value; "{}" stands for the wind. facing: (3,) in the vault's frame: its azimuth
     is told; of a negative value that of the opposite where `turns`. over: what the terms are divided by, a length [m]
     for rotations.
     """
@@ -106,6 +110,18 @@ def crown_of(vault: Vault) -> Array:
     return out
 
 
+def movement_of(one: Reading, mean: float, std: float, yaw: float) -> Movement:
+    """What is told of a figure with that mean and standard deviation [m], in a frame turned by `yaw` [rad]."""
+    over = 1.0 if one.over is None else one.over
+    value, limit = float(mean) / over, SURE * float(np.hypot(std, VERTICAL * one.level)) / over
+    bearing = None if one.facing is None else azimuth(one.facing, yaw)
+    if bearing is not None and one.turns and value < 0:
+        bearing = (bearing + 180) % 360
+    words = one.words[0 if value >= 0 else 1].format(wind(bearing) if bearing is not None else "")
+    size = abs(value) if one.turns else value
+    return Movement(one.name, size, limit, "m" if one.over is None else "m/m", words.strip(), bearing)
+
+
 def azimuth(facing: Array, yaw: float) -> float | None:
     """Of a direction (3,) in a frame turned by `yaw` [rad]: degrees clockwise from +y; None where it is plumb."""
     if np.hypot(facing[0], facing[1]) < 0.05:
@@ -125,7 +141,7 @@ def _crown(vault: Vault) -> Iterator[Reading]:
 def _spreads(vault: Vault, body: Body) -> Iterator[Reading]:
     for axis, name in enumerate(AXES):
         ends = _ends(vault, body, axis)
-        terms = tuple((place, way) for place, way in ends)
+        terms = tuple((place, way / len(side)) for side, way in ends for place in side)
         yield Reading(f"spread along {name}", terms, ("apart", "together"), ends[1][1])
     if len(vault.plan.sides) == 4:
         for name, k in (("SW-NE", 0), ("SE-NW", 1)):
@@ -137,18 +153,15 @@ def _spreads(vault: Vault, body: Body) -> Iterator[Reading]:
 
 def _supports(vault: Vault, body: Body) -> Iterator[Reading]:
     for axis, name in enumerate(AXES):
-        (south, back), (north, way) = _ends(vault, body, axis)
-        terms = ((north, DOWN), (south, -DOWN))
-        far = float(np.linalg.norm(north - south))
+        (south, _), (north, way) = _ends(vault, body, axis)
+        terms = tuple((at, sign * DOWN / len(side)) for side, sign in ((north, 1), (south, -1)) for at in side)
+        far = float(np.linalg.norm(north[0] - south[0]))
         yield Reading(
             f"differential settlement along {name}", terms, ("lower at {}", "lower at {}"), way, turns=True, level=far
         )
-        del back
     if len(vault.plan.sides) == 4:
         signs = (0.5, -0.5, 0.5, -0.5)
-        terms = tuple(
-            (np.append(corner, 0.0), sign * DOWN) for corner, sign in zip(vault.corners, signs, strict=True)
-        )
+        terms = tuple((np.append(corner, 0.0), sign * DOWN) for corner, sign in zip(vault.corners, signs, strict=True))
         along = np.append(vault.corners[2] - vault.corners[0], 0.0)
         yield Reading("twist", terms, ("lower on the diagonal through {}", "higher on the diagonal through {}"), along)
 
@@ -158,16 +171,26 @@ def _rotations(vault: Vault, walls: Sights) -> Iterator[Reading]:
         middle = side.points(2)[1]
         if side.centre is None:
             normal = np.array([*side.normal, 0.0])
+            along = np.array(side.start) + np.outer((1 + SPOTS) / 2, np.array(side.end) - side.start)
         else:
             out = (middle - side.centre) / side.radius
             normal = np.append(out if side.inside else -out, 0.0)
-        place = np.append(middle, 0.0)
-        depth = min(walls.below(place, normal), DEEPEST)
+            along = middle[None]
+        places = np.column_stack([along, np.zeros(len(along))])
+        depth = min(walls.below(np.append(middle, 0.0), normal), DEEPEST)
         if depth > SHALLOWEST:
-            terms = ((place, normal), (place - [0, 0, depth], -normal))
+            part, foot = normal / len(places), np.array([0.0, 0.0, depth])
+            terms = tuple(term for place in places for term in ((place, part), (place - foot, -part)))
             bearing = azimuth(normal, 0.0)
-            name = f"rotation of the wall at {wind(bearing)} of the plan" if bearing is not None else "rotation of a wall"
-            yield Reading(name, terms, ("outwards to {}", "inwards from {}"), normal, over=depth, level=depth)
+            where = "" if bearing is None else f" at {wind(bearing)} of the plan"
+            yield Reading(
+                f"rotation of the wall{where}",
+                terms,
+                ("outwards to {}", "inwards from {}"),
+                normal,
+                over=depth,
+                level=depth,
+            )
 
 
 def _quarters(vault: Vault) -> Iterator[Reading]:
@@ -189,12 +212,13 @@ def _quarters(vault: Vault) -> Iterator[Reading]:
         yield Reading(f"asymmetry along {name}", terms, words, way, turns=True)
 
 
-def _ends(vault: Vault, body: Body, axis: int) -> tuple[Term, Term]:
-    """The springings at both ends of an axis through the crown, each with its way outwards."""
-    found = []
-    crown = crown_of(vault)
+def _ends(vault: Vault, body: Body, axis: int) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """Places (k, 3) along the springings at both ends of an axis, each end with its way outwards (3,)."""
+    crown, found = crown_of(vault), []
+    spots = SPOTS if len(vault.plan.sides) == 4 else np.zeros(1)
     for sign in (-1, 1):
-        place = np.append(crown[:2], 0.0)
-        place[axis] = sign * body.half[axis] * INWARDS
-        found.append((place, sign * np.eye(3)[axis]))
+        places = np.zeros((len(spots), 3))
+        places[:, 1 - axis] = crown[1 - axis] + spots * body.half[1 - axis]
+        places[:, axis] = sign * body.half[axis] * INWARDS
+        found.append((places, sign * np.eye(3)[axis]))
     return found[0], found[1]

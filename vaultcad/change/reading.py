@@ -1,9 +1,9 @@
 """A reading of the deformation of a fitted vault, against three references, and which mechanism it resembles.
 
 What a fit has taken into its parameters is no longer in the deviations. The reference "built" therefore leaves the
-parameters free, as each way in which the vault may have been built has them (`vaultcad.find.choices`), with what builders
-mostly did, its springing level, and its walls, which are where they were at their foot. "fitted" takes the model as it
-is. "as built" takes the smooth surface through the stone, from which only what is local is left.
+parameters free, as each way in which the vault may have been built has them (`vaultcad.find.choices`), with what
+builders mostly did, its springing level, and its walls, which are where they were at their foot. "fitted" takes the
+model as it is. "as built" takes the smooth surface through the stone, from which only what is local is left.
 """
 
 from __future__ import annotations
@@ -16,25 +16,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.change.mechanisms import MECHANISMS, PARTS, Body, shapes
-from vaultcad.change.motion import Estimated, Places, Trend, Waves, estimated, mixed, registered
-from vaultcad.change.places import Reading, Sights, azimuth, places, readings, wind
-from vaultcad.deformation import Against, Deformation, Movement, Resemblance
+from vaultcad.change.motion import Estimated, Trend, Waves, estimated, mixed, registered
+from vaultcad.change.places import Sights, movement_of, places, readings
+from vaultcad.deformation import Against, Deformation, Resemblance
 from vaultcad.find.choices import Choice
 from vaultcad.find.likelihood import DOUBT, ENOUGH, near_edges, secants
 from vaultcad.find.practice import beforehand
 from vaultcad.find.refine import WIDEST, Refined
-from vaultcad.fit.freedom import Demands
+from vaultcad.fit.freedom import Demands, Freedom
 from vaultcad.fit.settlement import Partition
 from vaultcad.fit.solve import POSE, Placed, Solution
 from vaultcad.fit.uncertainty import slopes_of_distances
 
 Array = NDArray[np.float64]
 
-SURE = 1.96  # standard deviations of the 95 % of a normal distribution
 FARTHEST = 0.06  # m off the model; a block farther off is no stone of this vault
-OUTLYING = 5.0  # robust scatters of what a smooth field leaves of a block, beyond which it tells nothing
-VERTICAL = 5e-5  # m/m, standard deviation of a scan's vertical: 10 arc seconds, as levelled scanners state it
-LIKELY = 0.01  # chance of a way of building, below which it does not count
+ROUNDED = 0.1  # m from an edge, where stone is rounded and plastered
+BLOCKS = 400  # of stone at the most
+OUTLYING, LEAST = 5.0, 0.0008  # robust scatters of what the shapes leave of blocks, beyond which one is none; least [m]
+LIKELY, MOST_WAYS = 0.02, 4  # chance of a way of building, below which it does not count, and how many do at most
+ROUGHLY = 5  # of the fields that are weighed, one in so many squared tells mechanisms apart
 CAUTION = (
     "A scan shows where the stone stands, not how it came there: what looks like a movement may have been built so.",
     "A settlement of all supports alike, walls that moved bodily, and motion along the surface cannot be seen.",
@@ -57,7 +58,7 @@ class _Stone:
         placed, evidence = refined.placed, refined.evidence
         residuals = placed.distance(evidence.points)
         weights = evidence.weights / (1 + (residuals / WIDEST) ** 2) ** 2
-        blocks = Partition.of(placed, evidence.points, weights * ~near_edges(placed, evidence.points))
+        blocks = Partition.of(placed, evidence.points, weights * ~near_edges(placed, evidence.points, ROUNDED), BLOCKS)
         mean = blocks.means(residuals[:, None])[:, 0]
         usable = (blocks.weight > 0) & (np.abs(mean) < FARTHEST)
         if usable.sum() < ENOUGH:
@@ -66,6 +67,22 @@ class _Stone:
         depth = max(float(-blocks.place[usable, 2].min()), 0.1)
         body = Body(vault.plan.half, max(vault.top, 0.1), depth)
         return cls(refined, blocks, usable, body)
+
+    def cleaned(self) -> _Stone:
+        """Without blocks that no shape of a mechanism and no other size of the vault explains: furniture, frames."""
+        solution = self.refined.loose
+        rest, known = _way(self, solution)
+        fields, _ = shapes(self.place, self.body)
+        slopes = np.einsum("mkc,mc->mk", fields, self.normal)
+        none = np.empty((0, slopes.shape[1]))
+        whole = Trend.of_shapes(slopes, none).beside(*known)
+        left = rest
+        for _ in range(3):
+            near = np.abs(left) < OUTLYING * max(LEAST, 1.4826 * float(np.median(np.abs(left))))
+            left = rest - whole.slopes @ whole.likeliest(rest, near)
+        usable = self.usable.copy()
+        usable[np.flatnonzero(usable)[~near]] = False
+        return replace(self, usable=usable)
 
     @property
     def place(self) -> Array:
@@ -106,6 +123,7 @@ def read_deformation(
     stone = _Stone.of(refined)
     if stone is None:
         return None
+    stone = stone.cleaned()
     vault, yaw = refined.placed.vault, refined.placed.pose.yaw
     wanted = readings(vault, stone.body, stone.walls)
     at = places(wanted)
@@ -119,7 +137,7 @@ def read_deformation(
 
     def told(id: str, reference: str, mean: Array, std: Array) -> Against:
         figures = zip(wanted, mean, registered(std, registration), strict=True)
-        return Against(id, reference, tuple(_movement(one, m, s, yaw) for one, m, s in figures))
+        return Against(id, reference, tuple(movement_of(one, m, s, yaw) for one, m, s in figures))
 
     fitted = estimated(deviation, trend, waves)
     ways = _ways(stone, choices, demands)
@@ -133,7 +151,7 @@ def read_deformation(
         bare = replace(trend, precision=np.full_like(trend.precision, 1e12))
         local = estimated(left, bare, waves)
         against.append(told("as_built", "the smooth surface through the stone as it stands", local.mean, local.std))
-    resembles = _resemblances(stone, ways[0], trend, parts, at, waves)
+    resembles = _resemblances(ways[0], trend, parts, waves)
     return Deformation(tuple(against), resembles, _verdict(against[0], resembles), CAUTION)
 
 
@@ -147,14 +165,14 @@ def _ways(stone: _Stone, choices: Sequence[Choice], demands: Demands) -> list[_W
     if not choices:
         return [(1.0, *_way(stone, refined.loose))]
     found = []
-    for choice in choices:
+    for choice in choices[:MOST_WAYS]:
         if choice.chance >= LIKELY or choice is choices[0]:
             free = demands.freedom(choice.placed.vault, choice.kept)
             found.append((choice.chance, *_way(stone, _at_rest(refined, choice.placed, (*POSE, *free.names), free))))
     return found
 
 
-def _at_rest(refined: Refined, placed: Placed, names: tuple[str, ...], free: object) -> Solution:
+def _at_rest(refined: Refined, placed: Placed, names: tuple[str, ...], free: Freedom) -> Solution:
     whole = replace(refined.solution, placed=placed, names=names, free=free, residuals=placed.distance(refined.points))
     return replace(whole, jacobian=slopes_of_distances(whole, refined.points))
 
@@ -164,30 +182,15 @@ def _way(stone: _Stone, solution: Solution) -> tuple[Array, tuple[Array, Array, 
     return residual, (stone.means(secants(solution, stone.refined.points)), *beforehand(solution))
 
 
-def _movement(one: Reading, mean: float, std: float, yaw: float) -> Movement:
-    over = 1.0 if one.over is None else one.over
-    value, limit = float(mean) / over, SURE * float(np.hypot(std, VERTICAL * one.level)) / over
-    bearing = None if one.facing is None else azimuth(one.facing, yaw)
-    if bearing is not None and one.turns and value < 0:
-        bearing = (bearing + 180) % 360
-    words = one.words[0 if value >= 0 else 1].format(wind(bearing) if bearing is not None else "")
-    size = abs(value) if one.turns else value
-    return Movement(one.name, size, limit, "m" if one.over is None else "m/m", words.strip(), bearing)
-
-
-def _resemblances(
-    stone: _Stone, way: _Way, trend: Trend, parts: NDArray[np.str_], at: Places, waves: Waves
-) -> tuple[Resemblance, ...]:
+def _resemblances(way: _Way, trend: Trend, parts: NDArray[np.str_], waves: Waves) -> tuple[Resemblance, ...]:
     """How far what moved resembles each mechanism: by how likely each alone makes the deviations."""
     _, rest, known = way
-    none = at.sums(np.zeros((len(at.figure), 1)))
-    moved = _field_on_vault(stone, rest, known, trend)
+    moved = _moved(rest, known, trend)
     found: list[tuple[Estimated, float]] = []
     for one in MECHANISMS:
         mine = np.isin(parts, one.parts)
         only = Trend(trend.slopes[:, mine], trend.precision[mine], trend.mean[mine], trend.figures[:, mine])
-        found.append((estimated(rest, only.beside(*known), waves), _explained(moved, trend.slopes[:, mine])))
-    del none
+        found.append((estimated(rest, only.beside(*known), waves, ROUGHLY), _explained(moved, trend.slopes[:, mine])))
     top = max(one.likelihood for one, _ in found)
     raw = [exp((one.likelihood - top) / DOUBT) for one, _ in found]
     rows = [
@@ -197,14 +200,11 @@ def _resemblances(
     return tuple(sorted(rows, key=lambda row: -row.odds))
 
 
-def _field_on_vault(stone: _Stone, rest: Array, known: tuple[Array, Array, Array], trend: Trend) -> Array:
+def _moved(rest: Array, known: tuple[Array, Array, Array], trend: Trend) -> Array:
     """What blocks have moved by, along their normals (m,) [m], with the unknowns of the vault as they are likeliest."""
-    whole = trend.beside(*known)
-    rough = np.full(len(rest), 0.002**2)
-    weighted = whole.slopes / rough[:, None]
-    inverse = weighted.T @ whole.slopes + np.diag(whole.precision)
-    unknown = np.linalg.solve(inverse, weighted.T @ rest + whole.precision * whole.mean)
-    out: Array = rest - whole.slopes[:, : len(known[2])] @ unknown[: len(known[2])]
+    whole, own = trend.beside(*known), len(known[2])
+    unknown = whole.likeliest(rest, np.ones(len(rest), np.bool_))
+    out: Array = rest - whole.slopes[:, :own] @ unknown[:own]
     return out
 
 
@@ -228,8 +228,8 @@ def _verdict(built: Against, resembles: tuple[Resemblance, ...]) -> str:
     if not certain:
         return "No movement is larger than its limits."
     return (
-        f"It resembles {first.mechanism} (odds {first.odds:.0%}): {first.says}. A scan alone cannot tell whether it moved "
-        "so, or was built so."
+        f"It resembles {first.mechanism} (odds {first.odds:.0%}): {first.says}. A scan alone cannot tell whether it "
+        "moved so, or was built so."
     )
 
 

@@ -33,6 +33,7 @@ COMMANDS = {
     "export": "Write the model of a fit again, after an edit or with another thickness.",
     "segment": "Label the planes, spheres, cylinders and cones of a scan.",
     "compare": "Judge the labels of a cloud by a truth.",
+    "compare-scans": "Say what has changed between two scans of one vault, with limits.",
     "ideal": "Points of an ideal vault, with normals and labels.",
     "scan": "Scan a vault in a room virtually; the truth goes beside it.",
     "families": "List the families of vaults and their parameters.",
@@ -52,7 +53,7 @@ class Commands(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The real command of the first argument, with its name and the arguments left."""
         name, _, rest = super().resolve_command(ctx, args)
-        return name, import_module(f"vaultcad.cli.{name}").command(), rest
+        return name, import_module(f"vaultcad.cli.{name.replace('-', '_')}").command(), rest
 
 
 # Plain help here: the panels of rich, which the commands have, take longer to import than all the rest.

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.units import unit_of
+from vaultcad.export.movements import plain_deformation
 from vaultcad.measure.arcs import arcs_of, springing_of
 from vaultcad.measure.building import Building, building_of, letters
 from vaultcad.measure.setting_out import RULES, setting_out
@@ -177,6 +178,7 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "as_built": None if fitted.as_built is None else {"deviation": _deviation(fitted.as_built)},
         "coverage": _number(fitted.coverage),
         "tolerance": _number(round(fitted.tolerance, 4)),
+        "deformation": plain_deformation(fitted.deformation),
     }
 
 

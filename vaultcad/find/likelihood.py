@@ -139,9 +139,9 @@ class Field:
 
 
 def secants(solution: Solution, points: Array) -> Array:
-    """Derivatives (n, k) of the distances of the points (n, 3) [m] of a solution; those by the rise leave the crown there.
+    """Derivatives (n, k) of the distances of the points (n, 3) [m] of a solution; by the rise, the crown stays there.
 
-    They are taken over wide steps.
+    These are taken over wide steps, where the springing may move.
 
     A segment that is all but a semicircle can lose its foot to the wall without a change of first order. Below a
     raised arch, as a dome's, there is more of the vault: a step that leaves the crown would move all that.
@@ -157,6 +157,8 @@ def secants(solution: Solution, points: Array) -> Array:
         rises = [end.derived_values()["rise"] - vault.derived_values()["rise"] for end in vaults]
         if rises[0] == rises[1]:
             continue
+        if "z" in solution.free.pose:  # the springing stays, and the crown moves
+            rises = [0.0, 0.0]
         less, more = (
             Placed(end, replace(pose, z=pose.z - rise)).distance(points)
             for end, rise in zip(vaults, rises, strict=True)
@@ -181,10 +183,12 @@ def _log_within(ends: Array, mean: float, variance: float) -> float:
     return log(max(float(below[1] - below[0]), NEVER))
 
 
-def near_edges(placed: Placed, points: Array) -> NDArray[np.bool_]:
-    """Which points (n, 3) lie so near to an edge, of two components or of a wall, that they may be of either."""
-    plan = placed.vault.plan
-    reach = min(EDGE, EDGE_SHARE * plan.width)
+def near_edges(placed: Placed, points: Array, reach: float = EDGE) -> NDArray[np.bool_]:
+    """Which points (n, 3) lie so near to an edge, of two components or of a wall, that they may be of either.
+
+    reach: how near [m], but at most a share of the plan's shorter side.
+    """
+    reach = min(reach, EDGE_SHARE * placed.vault.plan.width)
     frame = placed.pose.frame()
     local = points @ frame[:, :3].T + frame[:, 3]
     surface = placed.vault.evaluate(local, walls=True)

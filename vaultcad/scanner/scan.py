@@ -58,6 +58,8 @@ def scan(vault: Vault, settings: ScannerSettings | None = None, *, rng: np.rando
     """
     settings = settings or ScannerSettings()
     place, build, settle, surface, pilot, measure, hide = rng.spawn(7)
+    for _ in range(settings.visit):  # the room is the same, the scanner is not
+        place, pilot, measure, hide = rng.spawn(4)
     stations = _draw_stations(vault, settings, place)
     still = room.build(vault, settings, stations, build)
     ideal = still.vertices[np.unique(still.triangles[still.component > 0])]

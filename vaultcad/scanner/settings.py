@@ -26,6 +26,7 @@ class ScannerSettings(Parametric):
         1_600_000
     )
     stations: Annotated[int, Range(1, 12, "1", "positions of the scanner")] = 2
+    visit: Annotated[int, Range(0, 1000, "1", "0 at first; later visits to the same room set the scanner up anew")] = 0
     station_height: Annotated[float, Range(0.3, 3, "m", "height of the scanner above the floor")] = 1.6
 
     noise: Annotated[float, Range(0, 0.05, "m", "standard deviation of a range at 10 m, surface hit squarely")] = 0.0006
