@@ -8,6 +8,7 @@ propagate the errors of points and of the registration by their covariances to a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,7 +77,7 @@ def in_cylinders(cores: Array, sheet: Sheet, radius: float) -> Cylinders:
     """What of a cloud stands about each core (m, 3)."""
     from scipy.spatial import cKDTree
 
-    near: list[list[int]] = cKDTree(sheet.foot).query_ball_point(cores, radius, return_sorted=False).tolist()
+    near: Any = cKDTree(sheet.foot).query_ball_point(cores, radius, return_sorted=False)
     sizes = np.array([len(one) for one in near], np.int64)
     core = np.repeat(np.arange(len(cores)), sizes)
     offset = sheet.offset[np.concatenate([np.asarray(one, np.int64) for one in near])] if sizes.any() else np.empty(0)

@@ -9,7 +9,6 @@ their likelihood, so that limits hold whatever the stone is like: a block counts
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +20,9 @@ from vaultcad.fit.settlement import LENGTHS, PRIOR, ROUGHNESSES, STRENGTHS
 Array = NDArray[np.float64]
 
 EVERY = 3  # of strengths and roughnesses which one is taken, to be quick
+STRANGER = (
+    1.5  # standard deviations are wider by this, as no movement is quite such a field; see `bench/deformation.py`
+)
 USUAL_ROUGHNESS = 0.002  # m, standard deviation of a block from a smooth field
 SHARE = 1e-3  # of the likelihood, below which a field is forgotten
 
@@ -115,8 +117,8 @@ class Trend:
         """The unknowns (u,) by those of the deviations (m,) [m] that are `near`, as if there were no waves."""
         slopes, rough = self.slopes[near], USUAL_ROUGHNESS**-2
         inverse = rough * slopes.T @ slopes + np.diag(self.precision)
-        out: Array = np.linalg.solve(inverse, rough * slopes.T @ deviation[near] + self.precision * self.mean)
-        return out
+        told = rough * slopes.T @ deviation[near] + self.precision * self.mean
+        return np.asarray(np.linalg.solve(inverse, told), np.float64)
 
 
 def estimated(deviation: Array, trend: Trend, waves: Waves, every: int = EVERY) -> Estimated:
@@ -125,7 +127,7 @@ def estimated(deviation: Array, trend: Trend, waves: Waves, every: int = EVERY) 
     likelihood = np.array([one[0] for one in fields])
     odds = np.exp((likelihood - likelihood.max()) / DOUBT)
     kept = np.flatnonzero(odds > SHARE * odds.max())
-    share: Array = odds[kept] / odds[kept].sum()
+    share = odds[kept] / odds[kept].sum()
     moments = [_moments(fields[k], trend, waves) for k in kept]
     means, variances = np.stack([m for m, _ in moments]), np.stack([v for _, v in moments])
     mean = share @ means
@@ -186,7 +188,7 @@ def _covariance(place: Array, way: Array, other: Array, along: Array, length: fl
     return out
 
 
-def registered(std: Array, registration: float) -> Array:
-    """Standard deviations (f,) [m] with what the registration of the scan's stations leaves, `registration` [m]."""
-    out: Array = np.sqrt(std**2 + (sqrt(2) * registration) ** 2)
+def honest(std: Array, registration: float) -> Array:
+    """Standard deviations (f,) [m] as they are told, with the registration of the scan's stations [m]."""
+    out: Array = np.sqrt((STRANGER * std) ** 2 + 2 * registration**2)
     return out

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.change.mechanisms import MECHANISMS, PARTS, Body, shapes
-from vaultcad.change.motion import Estimated, Trend, Waves, estimated, mixed, registered
+from vaultcad.change.motion import Estimated, Trend, Waves, estimated, honest, mixed
 from vaultcad.change.places import Sights, movement_of, places, readings
 from vaultcad.deformation import Against, Deformation, Resemblance
 from vaultcad.find.choices import Choice
@@ -136,7 +136,7 @@ def read_deformation(
     deviation = stone.means(refined.placed.distance(refined.points)[:, None])[:, 0]
 
     def told(id: str, reference: str, mean: Array, std: Array) -> Against:
-        figures = zip(wanted, mean, registered(std, registration), strict=True)
+        figures = zip(wanted, mean, honest(std, registration), strict=True)
         return Against(id, reference, tuple(movement_of(one, m, s, yaw) for one, m, s in figures))
 
     fitted = estimated(deviation, trend, waves)

@@ -32,7 +32,8 @@ class Registration:
     """How points of one scan go into the other's frame: p -> turn (p - centre) + centre + shift.
 
     turn: (3, 3). centre, shift: (3,) [m]. covariance: (6, 6) of a further small turn [rad] about the centre, and shift
-    [m]. systematic: standard deviation [m] with which blocks of stable stone still differ. points: that it rests on.
+    [m]. systematic: standard deviation [m] with which blocks of stable stone still differ. reach: root mean square
+    distance of that stone from the centre [m]. points: that it rests on.
     """
 
     turn: Array
@@ -40,6 +41,7 @@ class Registration:
     shift: Array
     covariance: Array
     systematic: float
+    reach: float
     points: int
 
     def __call__(self, points: NDArray[np.floating]) -> Array:
@@ -51,11 +53,20 @@ class Registration:
         """(n, 6): how a further turn and shift move points (n, 3) along ways (n, 3)."""
         return np.hstack([np.cross(points - self.centre, ways), ways])
 
+    def left_at(self, points: Array) -> Array:
+        """Standard deviations (n,) [m] of what is left at points (n, 3) [m].
+
+        Stations that were registered a little wrongly within their scan are off the more the farther from what is stable.
+        """
+        away = np.linalg.norm(points - self.centre, axis=1)
+        out: Array = self.systematic * np.maximum(away / self.reach, 1.0)
+        return out
+
     @classmethod
     def exact(cls, error: float = 0.0) -> Registration:
         """Of scans in one system already, to within a shift of `error` [m] along each axis."""
         spread = np.diag([0.0, 0.0, 0.0, *[error**2] * 3])
-        return cls(np.eye(3), np.zeros(3), np.zeros(3), spread, 0.0, 0)
+        return cls(np.eye(3), np.zeros(3), np.zeros(3), spread, 0.0, 1.0, 0)
 
 
 def registered_on(fixed: Array, moving: Array, starts: Iterable[Array]) -> Registration:
@@ -109,7 +120,8 @@ def registered_on(fixed: Array, moving: Array, starts: Iterable[Array]) -> Regis
     covariance = bread @ (sums.T @ sums) @ bread
     turn = motion[:3, :3]
     shift = motion[:3, 3] + turn @ centre - centre
-    return Registration(turn, centre, shift, covariance, _systematic(left, weights, block), int(met.sum()))
+    reach = float(np.sqrt(((here - centre) ** 2).sum(axis=1).mean()))
+    return Registration(turn, centre, shift, covariance, _systematic(left, weights, block), reach, int(met.sum()))
 
 
 def _start(tree: object, moving: Array, starts: Iterable[Array]) -> Array:

@@ -164,7 +164,7 @@ def _of_vault(
     placement = fitted.pose.placement()
     place, way = cores @ placement[:3, :3].T + placement[:3, 3], normal @ placement[:3, :3].T
     rows = registration.rows(place, way)
-    common = np.einsum("mi,ij,mj->m", rows, registration.covariance, rows) + registration.systematic**2
+    common = np.einsum("mi,ij,mj->m", rows, registration.covariance, rows) + registration.left_at(place) ** 2
     distances = m3c2(cores, sheets[0], sheets[1], RADIUS, common)
     wanted = readings(
         fitted.vault, Body(fitted.vault.plan.half, max(fitted.vault.top, 0.1), WALLS), _seen(cores, normal)
@@ -243,7 +243,9 @@ def _movement(
             return None
         parts = size / along[mine]  # of the motion along the way, by what of it is seen along the normal
         value += float((parts * distances.change[mine]).mean())
-        own += float((parts**2).mean()) * (registration.systematic**2 + float(_own(distances, mine)))
+        own += float((parts**2).mean()) * (
+            float((registration.left_at(place[mine]) ** 2).mean()) + _own(distances, mine)
+        )
         reach += (parts[:, None] * rows[mine]).mean(axis=0)
     std = float(np.sqrt(own + reach @ registration.covariance @ reach))
     return movement_of(one, value, std, yaw)

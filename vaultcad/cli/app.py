@@ -53,7 +53,7 @@ class Commands(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The real command of the first argument, with its name and the arguments left."""
         name, _, rest = super().resolve_command(ctx, args)
-        return name, import_module(f"vaultcad.cli.{name.replace('-', '_')}").command(), rest
+        return name, import_module(f"vaultcad.cli.{str(name).replace('-', '_')}").command(), rest
 
 
 # Plain help here: the panels of rich, which the commands have, take longer to import than all the rest.

@@ -111,4 +111,5 @@ def _fitted(scan: _Read, seed: int) -> Model:
         return scan.model
     from vaultcad.pipeline import FitSettings, fit_scan
 
-    return fit_scan(scan.cloud, FitSettings(seed=seed)).model
+    model: Model = fit_scan(scan.cloud, FitSettings(seed=seed)).model
+    return model

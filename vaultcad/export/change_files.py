@@ -16,16 +16,17 @@ from families.drawing.sheet import Drawing
 from families.drawing.svg import document
 from segmentation.cloud import Cloud
 from segmentation.io.whole import writing
-from vaultcad.change.two_dates import SPACING, ScanChange, VaultChange
+from vaultcad.change.two_dates import ScanChange, VaultChange
 from vaultcad.change.words import in_words
 from vaultcad.export.folder import Place, replacing_folder
-from vaultcad.export.movements import plain_movement
+from vaultcad.export.movements import millimetres, plain_movement
 
 CHANGE, CLOUD, MAP_SVG, MAP_PNG = "change.json", "change.laz", "change.svg", "change.png"
 NAMES = (CHANGE, CLOUD, MAP_SVG, MAP_PNG)
 SCHEMA = 1
 PIXELS = 150.0  # of the map a metre, in SVG
 DPI, INCHES = 130, 9.0  # of the picture
+MAPPED = 0.25  # m, cells of the map, in each of which there are core points
 GAP = 0.6  # m, between the maps of several vaults
 LEAST_LIMIT = 0.005  # m, at which the scale of colours ends at the least
 
@@ -66,10 +67,10 @@ def plain_change(change: ScanChange, after: str) -> dict[str, Any]:
             "points": registration.points,
             "turn": registration.turn.tolist(),
             "centre": (registration.centre + origin).tolist(),
-            "shift_mm": _mm(registration.shift),
+            "shift_mm": [millimetres(v) for v in registration.shift],
             "std_turn_deg": [round(degrees(v), 6) for v in std[:3].tolist()],
-            "std_shift_mm": _mm(std[3:]),
-            "systematic_mm": _mm(registration.systematic),
+            "std_shift_mm": [millimetres(v) for v in std[3:]],
+            "systematic_mm": millimetres(registration.systematic),
         },
         "vaults": [_vault(one, origin) for one in change.vaults],
     }
@@ -83,7 +84,7 @@ def _vault(one: VaultChange, origin: NDArray[np.float64]) -> dict[str, Any]:
         "number": one.number,
         "family": one.fitted.vault.id,
         "changed": one.changed,
-        "detectable_mm": _mm(cells.detectable),
+        "detectable_mm": millimetres(cells.detectable),
         "changed_share": round(float(cells.changed.mean()), 4) if most is not None else None,
         "largest": None if most is None else _largest(one, most, origin),
         "whole": _figures(one, on),
@@ -96,7 +97,11 @@ def _largest(one: VaultChange, most: int, origin: NDArray[np.float64]) -> dict[s
     placement = one.fitted.pose.placement()
     place = placement[:3, :3] @ one.cells.place[most] + placement[:3, 3] + origin
     limit = one.cells.quantile * float(one.cells.std[most])
-    return {"change_mm": _mm(one.cells.change[most]), "limit_mm": _mm(limit), "at": place.round(3).tolist()}
+    return {
+        "change_mm": millimetres(one.cells.change[most]),
+        "limit_mm": millimetres(limit),
+        "at": place.round(3).tolist(),
+    }
 
 
 def _figures(one: VaultChange, mine: NDArray[np.bool_]) -> dict[str, Any]:
@@ -107,11 +112,11 @@ def _figures(one: VaultChange, mine: NDArray[np.bool_]) -> dict[str, Any]:
         return {"cores": 0, "mean_mm": None, "median_mm": None, "max_mm": None, "significant": None, "lod95_mm": None}
     return {
         "cores": len(change),
-        "mean_mm": _mm(change.mean()),
-        "median_mm": _mm(np.median(change)),
-        "max_mm": _mm(change[np.argmax(np.abs(change))]),
+        "mean_mm": millimetres(change.mean()),
+        "median_mm": millimetres(np.median(change)),
+        "max_mm": millimetres(change[np.argmax(np.abs(change))]),
         "significant": round(float((np.abs(change) > lod).mean()), 4),
-        "lod95_mm": _mm(np.median(lod)),
+        "lod95_mm": millimetres(np.median(lod)),
     }
 
 
@@ -157,7 +162,7 @@ def change_map(change: ScanChange) -> Drawing:
     grids = [_grid(one) for one in change.vaults]
     wide = sum(float(high[0] - low[0]) for low, high, _, _ in grids) + GAP * (len(grids) - 1)
     tall = max(float(high[1] - low[1]) for low, high, _, _ in grids)
-    title = f"Change: {CONVENTION}; dots: larger than the level of detection; grey: not told"
+    title = f"Change: {CONVENTION}; dots: above the level of detection"
     drawing = Drawing((0.0, 0.0), (wide, tall), title)
     left = 0.0
     for one, (low, high, values, dots) in zip(change.vaults, grids, strict=True):
@@ -180,7 +185,7 @@ def _grid(one: VaultChange) -> tuple[Any, Any, Any, Any]:
     frame = one.fitted.pose.frame()
     use = (one.component > 0) & np.isfinite(one.distances.change)
     xy = (one.cores[use] @ frame[:, :3].T + frame[:, 3])[:, :2]
-    counts = np.maximum(np.round((high - low) / SPACING).astype(int), 1)
+    counts = np.maximum(np.round((high - low) / MAPPED).astype(int), 1)
     cell = np.clip(((xy - low) / (high - low) * counts).astype(int), 0, counts - 1)
     flat = cell[:, 0] * counts[1] + cell[:, 1]
     number = np.bincount(flat, minlength=int(counts.prod()))
@@ -202,5 +207,5 @@ def _write_png(drawing: Drawing, path: Path) -> None:
         width, height = drawing.size
         figure = Figure(figsize=(INCHES, INCHES * height / width), dpi=DPI)
         FigureCanvasAgg(figure)
-        paint(figure.add_axes((0, 0, 1, 1)), drawing)
+        paint(figure.add_axes((0, 0, 1, 0.97)), drawing)
         figure.savefig(path, format="png", metadata={"Software": None})

@@ -18,8 +18,8 @@ def plain_movement(one: Movement) -> dict[str, Any]:
     """A movement as plain values, in millimetres or millimetres a metre, with its 95 % limit."""
     return {
         "name": one.name,
-        "value": _mm(one.value),
-        "limit95": _mm(one.limit),
+        "value": millimetres(one.value),
+        "limit95": millimetres(one.limit),
         "unit": UNITS[one.unit],
         "direction": one.direction,
         "azimuth_deg": None if one.azimuth is None else round(one.azimuth, 1),
@@ -62,5 +62,6 @@ def resemblance_table(deformation: Deformation) -> str:
     return html_table(["mechanism", "odds", "of what moved", "how it shows"], rows, slice(1, 3), long=(0, 3))
 
 
-def _mm(value: float) -> float | None:
-    return round(1000 * value, DECIMALS) + 0.0 if isfinite(value) else None
+def millimetres(value: float) -> float | None:
+    """A length [m] as files have it; None for what is no number. Never -0.0."""
+    return round(1000 * float(value), DECIMALS) + 0.0 if isfinite(value) else None

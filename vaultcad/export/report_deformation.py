@@ -22,6 +22,6 @@ def deformation_section(fitted: FittedVault) -> str:
     return (
         f"<section><h2>Deformation</h2><p class='lead'>{escape(told.verdict)}</p>{resemblance_table(told)}<p></p>"
         f"{tables}<ul class='soft'>{caution}</ul>"
-        "<p class='soft'>Azimuths count clockwise from the scan's +y axis. Limits allow for noise, relief, uneven waves of "
-        "the stone, the registration of stations, and for what the reference may be wrong by.</p></section>"
+        "<p class='soft'>Azimuths count clockwise from the scan's +y axis. Limits allow for noise, relief, uneven "
+        "waves of the stone, the registration of stations, and for what the reference may be wrong by.</p></section>"
     )
