@@ -56,10 +56,11 @@ class Registration:
     def left_at(self, points: Array) -> Array:
         """Standard deviations (n,) [m] of what is left at points (n, 3) [m].
 
-        Stations that were registered a little wrongly within their scan are off the more the farther from what is stable.
+        Stations that were registered a little wrongly within their scan are shifted, and turned: the farther from what
+        is stable the more they are off.
         """
         away = np.linalg.norm(points - self.centre, axis=1)
-        out: Array = self.systematic * np.maximum(away / self.reach, 1.0)
+        out: Array = self.systematic * np.sqrt((1 + np.maximum(away / self.reach, 1.0) ** 2) / 2)
         return out
 
     @classmethod
