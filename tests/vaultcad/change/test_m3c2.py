@@ -15,9 +15,8 @@ def sheet(rng, count, shift=0.0, noise=0.002):
     return Sheet(flat, offset + shift)
 
 
-CORES = np.column_stack(
-    [np.stack(np.meshgrid(*[np.linspace(-0.8, 0.8, 12)] * 2), axis=-1).reshape(-1, 2), np.zeros(144)]
-)
+STEPS = np.linspace(-0.8, 0.8, 12)
+CORES = np.stack(np.meshgrid(STEPS, STEPS, 0.0), axis=-1).reshape(-1, 3)
 
 
 def test_what_has_not_moved_is_significant_in_five_of_a_hundred():

@@ -8,7 +8,7 @@ import pytest
 from families.drawing.deviation_colours import UNKNOWN
 from vaultcad.change.two_dates import compare_scans
 from vaultcad.change.words import in_words
-from vaultcad.errors import ExportError, VaultcadError
+from vaultcad.errors import VaultcadError
 from vaultcad.export.change_files import NAMES, write_change
 
 
@@ -85,11 +85,3 @@ def test_files_say_what_was_found(sunk, tmp_path):
     assert all((out / name).read_bytes() == (again / name).read_bytes() for name in NAMES)
     write_change(sunk, out, after="third.laz")
     assert json.loads((out / "change.json").read_text(encoding="utf-8"))["after"] == "third.laz"
-
-
-def test_a_folder_with_other_files_is_left_alone(sunk, tmp_path):
-    (tmp_path / "mine.txt").write_text("mine")
-    with pytest.raises(ExportError, match="holds other files"):
-        from vaultcad.export.folder import check_target
-
-        check_target(tmp_path, NAMES)
