@@ -19,7 +19,8 @@ from vaultcad.model import FittedVault, Model, Pose
 
 Array = NDArray[np.float64]
 
-SPACING, RADIUS = 0.15, 0.1  # m, of core points, and of the cylinders about them
+SPACING = 0.15  # m, of core points
+RADIUS, PER_CYLINDER = (0.1, 0.3), 30  # m, limits of the cylinders about them, and the points that are wanted in one
 REACH = 0.25  # m off the vault, within which stone is looked for: no change can be larger
 WALLS = 1.6  # m below the springing down to which walls are compared, too
 STABLE = 0.5  # share of the height from floor to springing below which walls count as stable
@@ -165,7 +166,7 @@ def _of_vault(
     place, way = cores @ placement[:3, :3].T + placement[:3, 3], normal @ placement[:3, :3].T
     rows = registration.rows(place, way)
     common = np.einsum("mi,ij,mj->m", rows, registration.covariance, rows) + registration.left_at(place) ** 2
-    distances = m3c2(cores, sheets[0], sheets[1], RADIUS, common)
+    distances = m3c2(cores, sheets[0], sheets[1], _radius(sheets, len(cores)), common)
     wanted = readings(
         fitted.vault, Body(fitted.vault.plan.half, max(fitted.vault.top, 0.1), WALLS), _seen(cores, normal)
     )
@@ -198,6 +199,12 @@ def _thinned(foot: Array) -> tuple[Array, NDArray[np.int64]]:
     new[1:] = (np.diff(cell[order], axis=0) != 0).any(axis=1)
     which = np.sort(order[new])
     return foot[which], which
+
+
+def _radius(sheets: Sequence[Sheet], cores: int) -> float:
+    """Of the cylinders [m]: wider where the sparser scan has few points on the surface that the cores stand for."""
+    density = min(len(sheet.foot) for sheet in sheets) / max(cores * SPACING**2, SPACING**2)
+    return float(np.clip(np.sqrt(PER_CYLINDER / (np.pi * max(density, 1e-9))), *RADIUS))
 
 
 def _cells(cores: Array, component: NDArray[np.uint16], normal: Array, distances: Distances, common: Array) -> Cells:
