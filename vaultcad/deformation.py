@@ -51,6 +51,11 @@ class Resemblance:
     share: float
     says: str
 
+    @property
+    def told_odds(self) -> str:
+        """In words: no reading is surer of a mechanism than 99 in 100."""
+        return "over 99 %" if self.odds > 0.99 else f"{100 * self.odds:.0f} %"
+
 
 @dataclass(frozen=True)
 class Deformation:

@@ -217,8 +217,9 @@ def _explained(moved: Array, slopes: Array) -> float:
 
 
 def _built_words(choices: Sequence[Choice]) -> str:
-    kinds = sorted({", ".join(kind.id for kind in choice.kinds) for choice in choices if choice.chance >= LIKELY})
-    arches = f", with arches {' or '.join(kinds)}" if any(kinds) else ""
+    ways = [choice.kinds for choice in choices[:MOST_WAYS] if choice.chance >= LIKELY]
+    kinds = dict.fromkeys(" and ".join(dict.fromkeys(kind.id for kind in way)) for way in ways if way)
+    arches = f", with {', or '.join(kinds)} arches" if kinds else ""
     return f"the vault before it moved, springing level, walls plumb from their foot{arches}; all weighed by their odds"
 
 
@@ -228,7 +229,7 @@ def _verdict(built: Against, resembles: tuple[Resemblance, ...]) -> str:
     if not certain:
         return "No movement is larger than its limits."
     return (
-        f"It resembles {first.mechanism} (odds {first.odds:.0%}): {first.says}. A scan alone cannot tell whether it "
+        f"It resembles {first.mechanism} (odds {first.told_odds}): {first.says}. A scan alone cannot tell whether it "
         "moved so, or was built so."
     )
 
