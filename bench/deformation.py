@@ -112,8 +112,8 @@ def _two(pairs: list[Compared], rooms: list[list[Compared]]) -> Iterator[tuple[F
         mine = [pair for pair in pairs if pair.change == change]
         if mine:
             right = float(np.mean([pair.changed == (change > 0) for pair in mine]))
-            off = np.array([abs(pair.error) for pair in mine])
-            within = float(np.mean(off <= [pair.limit for pair in mine]))
+            off, limit = np.array([(abs(pair.error), pair.limit) for pair in mine if np.isfinite(pair.error)]).T
+            within = float(np.mean(off <= limit))
             middle = 1000 * float(np.median(off)), within, 1000 * float(np.median([pair.detectable for pair in mine]))
             name = f"crown {-1000 * change:g} mm" if change else "none"
             yield name, len(mine), right, *middle, sum(len(room) < 2 for room in rooms)
