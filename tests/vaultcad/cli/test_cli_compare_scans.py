@@ -6,7 +6,7 @@ import pytest
 from families import Barrel, Semicircular
 from vaultcad.scanner import ScannerSettings, scan, write_scan
 
-ROOM = ScannerSettings(points=50_000, settlement=0.0, noise=0.002, openings=1, furniture=0, tie_rods=0)
+ROOM = ScannerSettings(points=30_000, settlement=0.0, noise=0.002, openings=1, furniture=0, tie_rods=0)
 
 
 @pytest.fixture(scope="module")
