@@ -59,7 +59,8 @@ def test_what_is_common_to_a_cylinder_widens_the_level_of_detection():
     assert lod.max() < 1.96 * 0.0035
 
 
-def test_on_a_plane_it_is_what_py4dgeo_finds():
+def test_on_a_plane_it_is_what_py4dgeo_finds(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # it keeps a log where it is
     py4dgeo = pytest.importorskip("py4dgeo", reason="the extra `change` is not installed")
     rng = np.random.default_rng(5)
     # Noise with an end: of other noise ours leaves out what is beyond three scatters.
