@@ -15,6 +15,7 @@ from families import Vault
 from families.declaration.parameters import derived_declarations
 from segmentation.crs import Crs
 from segmentation.notes import Note
+from vaultcad.deformation import Deformation
 from vaultcad.displacement import Displacement
 
 
@@ -228,6 +229,7 @@ class FittedVault(PlacedVault):
     tolerance: float = 0.03  # m, half of the band that its points lie in
     odds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # of each arch: kind -> chance
     rivals: tuple[Rival, ...] = ()  # how it may have been built; this one first, then the likeliest
+    deformation: Deformation | None = None  # how it seems to have moved
     doubt: str = ""  # why it may be of none of the families, where that is likely
     surface: Displacement | None = None  # in its own frame: where the ideal vault has p, its stone has p + surface(p)
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from families import Vault
 from segmentation.crs import Crs
 from segmentation.notes import Note
+from vaultcad.deformation import deformation_of
 from vaultcad.displacement import Displacement
 from vaultcad.errors import ModelFileError
 from vaultcad.model import (
@@ -294,6 +295,7 @@ DECODERS: dict[str, Callable[[Any], Any]] = {
     "odds": dict,
     "doubt": str,
     "surface": lambda told: None if told is None else Displacement.from_plain(told),
+    "deformation": deformation_of,
     "rivals": lambda told: tuple(Rival(**{**one, "constraints": tuple(one["constraints"])}) for one in told),
 }
 """How what a fit found is read, by its names."""

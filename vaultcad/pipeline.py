@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
 from segmentation.notes import Note
+from vaultcad.change.reading import read_deformation
+from vaultcad.deformation import Deformation
 from vaultcad.displacement import Displacement
 from vaultcad.errors import NoVaultError
 from vaultcad.find.arches import FoundArch
@@ -25,7 +27,7 @@ from vaultcad.find.found import Found
 from vaultcad.find.recognise import confidence
 from vaultcad.find.search import find_vaults
 from vaultcad.fit.demands import demand
-from vaultcad.fit.freedom import RECTANGLE
+from vaultcad.fit.freedom import RECTANGLE, Demands
 from vaultcad.fit.label import ArchBand, Labels, label
 from vaultcad.fit.solve import Placed
 from vaultcad.fit.uncertainty import covariance, open_ends
@@ -47,8 +49,9 @@ Progress = Callable[[str], None]
 
 LOG = logging.getLogger(__name__)
 STAGES = ("thinning", "finding", "labelling", "measuring")
-SPARSE = 0.09  # m between points, from which on the end of a vault without a wall is hard to tell
 AS_BUILT = 20_000  # points of the as-built surface; half of them make it, the other half measure it
+SPARSE = 0.09  # m between points, from which on the end of a vault without a wall is hard to tell
+REGISTRATION = 0.001  # m, by which figures may be off as stations are registered to 1 to 3 mm
 
 
 @dataclass(frozen=True)
@@ -116,7 +119,12 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
         labels, thinned = label(xyz, bands, arched), label(thin.points, bands, arched)
     with _stage("measuring", seconds, progress):
         scan = _Labelled(labels, thin, thinned)
-        vaults = tuple(scan.vault(one, k, rng) for k, one in enumerate(found.vaults, 1))
+        several = len(cloud.stations) > 1
+        measured = [scan.vault(one, k, rng) for k, one in enumerate(found.vaults, 1)]
+        vaults = tuple(
+            replace(fitted, deformation=_read(one, demands, fitted.surface, several=several))
+            for fitted, one in zip(measured, found.vaults, strict=True)
+        )
         arches = tuple(scan.arch(one, k, found.vaults, rng) for k, one in enumerate(found.arches, 1))
         piers = piers_under(vaults, arches, thin)
         ceiling, unexplained = account(found.hung, bands, arched)
@@ -265,6 +273,12 @@ def _measured(
         rivals=rivals(found.choices, placed),
         doubt=found.misfit.reason,
     )
+
+
+def _read(found: Found, demands: Demands, surface: Displacement | None, *, several: bool) -> Deformation | None:
+    """How a vault seems to have moved; several: whether the scan is known to be of more than one station."""
+    registration = REGISTRATION if several else 0.0
+    return read_deformation(found.refined, found.choices, demands, surface, registration=registration)
 
 
 def _open_ends(site: Site, placed: Placed) -> tuple[float, float]:

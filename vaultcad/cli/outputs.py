@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from vaultcad.cli.errors import InputError
@@ -38,11 +38,18 @@ def check_folder(out: Path, *, inputs: Iterable[Path] = (), review: bool = False
         InputError: there is no place for it, or it would replace a file that is read.
     """
     from vaultcad.export.bundle import REVIEW, WRITERS
-    from vaultcad.export.folder import check_target
     from vaultcad.labelled_scan import SEGMENTS
 
-    names = [*WRITERS, SEGMENTS, *([REVIEW] if review else [])]
+    check_result(out, [*WRITERS, SEGMENTS, *([REVIEW] if review else [])], inputs=inputs, force=force)
+
+
+def check_result(out: Path, names: Sequence[str], *, inputs: Iterable[Path] = (), force: bool = False) -> None:
+    """Whether a result of files with these names can be put into that folder; raises as `check_folder` does."""
+    from vaultcad.export.folder import check_target
+
     for path in inputs:
+        if path.is_dir() and out.exists() and path.samefile(out):
+            raise InputError(f"{path}: would be replaced by the result; name another folder than {out}")
         if any((out / name).exists() and path.exists() and path.samefile(out / name) for name in names):
             raise InputError(f"{path}: would be replaced by the result; name another folder than {out}")
     check_target(out, names, force=force)

@@ -22,6 +22,7 @@ from vaultcad.export.drawing import deviations, plan, section
 from vaultcad.export.page import drawn, html_table, metres, percent, std_of, value_of
 from vaultcad.export.palette import colour
 from vaultcad.export.report_building import building_page
+from vaultcad.export.report_deformation import deformation_section
 from vaultcad.export.report_json import in_shown_unit, plain
 from vaultcad.export.report_text import FILES, STYLE, TERMS
 from vaultcad.export.seen import Seen, seen
@@ -89,6 +90,7 @@ def _vault(one: Seen, model: Model, number: int, head: str, view: str) -> str:
         f'<div class="figures">{figures}</div>'
         f"{drawn([plan(one), *(section(one, plane) for plane in PLANES)])}{view}"
         f"<section><h2>Deviation</h2>{_deviation(one)}</section>"
+        f"{deformation_section(fitted)}"
         f"<section><h2>Sizes and parameters</h2>{_parameters(fitted, model.origin)}</section>"
         f"<section><h2>Components</h2>{_components(fitted.components)}</section>"
     )

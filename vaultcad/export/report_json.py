@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.units import unit_of
+from vaultcad.export.movements import plain_deformation
 from vaultcad.measure.arcs import arcs_of, springing_of
 from vaultcad.measure.building import Building, building_of, letters
 from vaultcad.measure.routes import apart
@@ -179,6 +180,7 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "as_built": _as_built(fitted),
         "coverage": _number(fitted.coverage),
         "tolerance": _number(round(fitted.tolerance, 4)),
+        "deformation": plain_deformation(fitted.deformation),
     }
 
 
