@@ -44,7 +44,7 @@ from families.solid.splines import DEGREE, evaluated, interpolated
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 
-ACCURACY = 5e-4  # [mm] to which curves and surfaces are drawn
+ACCURACY = 2e-3  # [mm] to which curves and surfaces are drawn
 FEWEST, MOST = 8, 90  # places of a smooth stretch through which it is drawn
 GROWTH = 1.5  # of their number, until that is exact enough
 LOOKS = 41  # places along an edge at which it is compared with its faces
