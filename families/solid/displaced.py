@@ -44,12 +44,12 @@ from families.solid.splines import DEGREE, evaluated, interpolated
 Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 
-ACCURACY = 5e-4  # [mm] to which curves and surfaces are drawn
+ACCURACY = 2e-3  # [mm] to which curves and surfaces are drawn
 FEWEST, MOST = 8, 90  # places of a smooth stretch through which it is drawn
 GROWTH = 1.5  # of their number, until that is exact enough
 LOOKS = 41  # places along an edge at which it is compared with its faces
 LEAST = 1e-3  # [mm], tolerance of edges
-SLACK = 1.2  # of a tolerance over the gap that was measured
+SLACK = 2.0  # of a tolerance over the gap that was measured, which may be wider in between
 HERE = TopLoc_Location()
 BUILDER = BRep_Builder()
 
@@ -245,7 +245,7 @@ def _each(shape: TopoDS_Shape, kind: Any) -> TopTools_IndexedMapOfShape:
 
 def _inside(shape: TopoDS_Shape) -> Iterator[TopoDS_Shape]:
     """What a shape is put together of, with its orientation in there."""
-    parts = TopoDS_Iterator(shape)
+    parts = TopoDS_Iterator(shape, False)  # not turned by the whole
     while parts.More():
         yield parts.Value()
         parts.Next()
