@@ -94,7 +94,7 @@ def _parts(
     """The triangles of each component as model.glb has them, then those of the rest of the stone."""
     mesh, told = shell(fitted.vault, thickness), {c.id: c for c in fitted.components}
     place = frame @ fitted.pose.placement()
-    surface: Field | None = getattr(fitted, "surface", None)
+    surface = fitted.surface
     names = dict(enumerate(fitted.vault.components, 1)) | {0: "masonry"}
     of = np.where(mesh.component > len(fitted.vault.components), 0, mesh.component)
     for k in (k for k in names if (of == k).any()):
