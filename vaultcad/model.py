@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from families import Vault
+from families import Ribs, Vault
 from families.declaration.parameters import derived_declarations
 from segmentation.crs import Crs
 from segmentation.notes import Note
@@ -184,6 +184,7 @@ class PlacedVault:
     thickness: float | None = field(default=None, kw_only=True)  # m, of its masonry; None for that of all
     label: str = field(default="", kw_only=True)  # what a user calls it
     solid: bool = field(default=True, kw_only=True)  # whether its body can be built
+    ribs: Ribs | None = field(default=None, kw_only=True)  # that hang under it
 
     @property
     def arches(self) -> dict[str, str]:

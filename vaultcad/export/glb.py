@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from families.solid.mesh import Mesh
-from vaultcad.export.geometry import Floats, Triangles, shell
+from vaultcad.export.geometry import Floats, Triangles, rib_bodies, shell
 from vaultcad.export.palette import Colour, colour
 from vaultcad.model import Assembly, PlacedVault
 
@@ -47,9 +47,16 @@ def _parts(placed: PlacedVault, thickness: float) -> Iterator[tuple[str, trimesh
         if patch.any():
             yield name, _trimesh(mesh, mesh.triangles[patch], place, colour(k), {"component": k})
     rest = mesh.triangles[(mesh.component == 0) | (mesh.component > len(names))]
-    corners = mesh.vertices[rest].reshape(-1, 3)  # every triangle with its own, so that edges stay sharp
-    apart = Mesh(corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 3), mesh.component[:0])
-    yield "extrados", _trimesh(apart, apart.triangles, place, colour(0), {})
+    yield "extrados", _sharp(mesh.vertices, rest, place)
+    for rib in rib_bodies(placed.vault, placed.ribs) if placed.ribs else ():
+        yield rib.name, _sharp(rib.vertices, rib.triangles, place)
+
+
+def _sharp(vertices: Floats, triangles: Triangles, place: Floats) -> trimesh.Trimesh:
+    """Stone with sharp edges: every triangle has its own corners."""
+    corners = vertices[triangles].reshape(-1, 3)
+    own = np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
+    return _trimesh(Mesh(corners, own, np.empty(0, np.uint16)), own, place, colour(0), {})
 
 
 def _trimesh(

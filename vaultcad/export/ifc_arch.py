@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from vaultcad.export.geometry import bodies
 from vaultcad.export.ifc_author import Author, Entity
+from vaultcad.export.ifc_members import ARCH
 from vaultcad.export.ifc_places import on_storey
 from vaultcad.export.ifc_properties import Row, common, deviation, load_bearing, masonry, parameters
 from vaultcad.export.palette import colour
 from vaultcad.measure.arcs import arcs_of
 from vaultcad.measure.setting_out import setting_out
 from vaultcad.model import Assembly, FittedArch, PlacedVault
-
-KIND = "ARCH"  # IfcMemberTypeEnum of IFC4 has none for arches
 
 
 def member(author: Author, arch: PlacedVault, number: int, storey: Entity, model: Assembly) -> Entity:
@@ -26,7 +25,7 @@ def member(author: Author, arch: PlacedVault, number: int, storey: Entity, model
         key,
         Name=arch.label or key.capitalize(),
         Description=f"arch {number} of segments.laz" if isinstance(arch, FittedArch) else None,
-        ObjectType=KIND,
+        ObjectType=ARCH,
         ObjectPlacement=on_storey(author, storey, arch),
         Representation=author.body(body.vertices, body.triangles, colour(0)),
         Tag=str(number),
@@ -34,7 +33,7 @@ def member(author: Author, arch: PlacedVault, number: int, storey: Entity, model
     )
     masonry(author, key, [made], thickness)
     span = author.value(float(vault.values()["span"]), "m")
-    author.properties(made, "Pset_MemberCommon", [*common(author, KIND), ("Span", span, ""), load_bearing(author)])
+    author.properties(made, "Pset_MemberCommon", [*common(author, ARCH), ("Span", span, ""), load_bearing(author)])
     author.properties(made, "VaultCAD_Parameters", parameters(author, arch))
     if isinstance(arch, FittedArch):
         author.properties(made, "VaultCAD_Arch", _arch(author, arch))
@@ -42,15 +41,6 @@ def member(author: Author, arch: PlacedVault, number: int, storey: Entity, model
     volumes = {"GrossVolume": (body.volume, "m3"), "NetVolume": (body.volume, "m3")}
     author.quantities(made, "Qto_MemberBaseQuantities", volumes)
     return made
-
-
-def type_members(author: Author, project: Entity, members: Sequence[Entity]) -> None:
-    """The one type of all arches, if there are any."""
-    if not members:
-        return
-    kind = author.root("IfcMemberType", "arches", Name="Arch", ElementType=KIND, PredefinedType="USERDEFINED")
-    author.relate("IfcRelDefinesByType", "arches of", ("RelatingType", kind), ("RelatedObjects", members))
-    author.relate("IfcRelDeclares", "arches in", ("RelatingContext", project), ("RelatedDefinitions", (kind,)))
 
 
 def _arch(author: Author, arch: FittedArch) -> Iterator[Row]:

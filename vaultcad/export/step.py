@@ -14,7 +14,7 @@ from families.declaration.units import MM
 from segmentation.io.stamp import stamp
 from segmentation.temporary import announce
 from vaultcad.errors import ExportError
-from vaultcad.export.geometry import masonry
+from vaultcad.export.geometry import masonry, rib_solids
 from vaultcad.export.palette import Colour, colour
 from vaultcad.export.part21 import encoded, in_order, unbroken
 from vaultcad.legible import legible
@@ -31,7 +31,7 @@ SETTINGS = {"write.step.schema": "AP214IS", "write.step.unit": "MM"}
 
 
 def write_step(model: Assembly, path: Path) -> None:
-    """Write an assembly named after the scan, of one solid a vault or arch, placed by its pose relative to the origin.
+    """Write an assembly named after the scan, of one solid a vault, arch or rib, placed by its pose from the origin.
 
     Raises:
         ExportError: no vault has a solid, or the translator failed.
@@ -55,6 +55,10 @@ def write_step(model: Assembly, path: Path) -> None:
         part = _part(shapes, document.Main(), placed, model.thickness_of(placed), _stand_in(len(names)))
         _name(shapes.AddComponent(assembly, part, _location(placed.pose)), _stand_in(len(names)))
         names.append(name)
+        for rib, shape in (rib_solids(placed.vault, placed.ribs) if placed.ribs else {}).items():
+            part = _plain_part(shapes, document.Main(), _solid(shape), _stand_in(len(names)))
+            _name(shapes.AddComponent(assembly, part, _location(placed.pose)), _stand_in(len(names)))
+            names.append(f"{name} {rib}")
     shapes.UpdateAssemblies()
 
     STEPCAFControl_Controller.Init_s()
@@ -94,14 +98,22 @@ def _part(shapes: XCAFDoc_ShapeTool, main: TDF_Label, placed: PlacedVault, thick
 
     vault, solid = placed.vault, _solid(masonry(placed.vault, thickness))
     colours = XCAFDoc_DocumentTool.ColorTool_s(main)
-    part = shapes.AddShape(solid, False)
-    _name(part, name)
-    colours.SetColor(part, _rgb(colour(0)), XCAFDoc_ColorSurf)
+    part = _plain_part(shapes, main, solid, name)
     for face, component in brep.face_names(solid, vault):
         label = shapes.AddSubShape(part, face)
         _name(label, component)
         if component in vault.components:
             colours.SetColor(label, _rgb(colour(vault.components.index(component) + 1)), XCAFDoc_ColorSurf)
+    return part
+
+
+def _plain_part(shapes: XCAFDoc_ShapeTool, main: TDF_Label, solid: TopoDS_Shape, name: str) -> TDF_Label:
+    """A body in the colour of stone."""
+    from OCP.XCAFDoc import XCAFDoc_ColorSurf, XCAFDoc_DocumentTool
+
+    part = shapes.AddShape(solid, False)
+    _name(part, name)
+    XCAFDoc_DocumentTool.ColorTool_s(main).SetColor(part, _rgb(colour(0)), XCAFDoc_ColorSurf)
     return part
 
 
