@@ -48,6 +48,8 @@ def _arch(author: Author, arch: FittedArch) -> Iterator[Row]:
     yield "between", author.value(" and ".join(f"vault {k}" for k in arch.beside if k) or "none"), "vaults beside it"
     if arch.ring is not None:
         yield "depth", author.value(float(arch.ring), "m"), "of its ring under the vaults beside it"
+    if arch.ring_std is not None:
+        yield "depth_std", author.value(float(arch.ring_std), "m"), "standard deviation of depth"
     for k, arc in enumerate(arcs_of(arch), 1):
         for name, estimate in (("radius", arc.radius), ("centre_across", arc.across), ("centre_height", arc.height)):
             yield f"arc_{k}_{name}", author.value(float(estimate.value), "m"), estimate.meaning
