@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
-from math import sqrt
+from dataclasses import dataclass, replace
+from math import isnan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,12 +70,12 @@ def ribs_under(placed: Placed, xyz: NDArray[np.floating]) -> tuple[SeenRib, ...]
 
 
 def rib_arches(found: Found, thin: Thin, xyz: NDArray[np.floating], rng: np.random.Generator) -> Iterator[FoundArch]:
-    """The ribs under a vault as arches, by the scan's points, thinned and all of them (n, 3) [m]."""
+    """The ribs under a vault as arches that spring with it, by a scan's points, thinned and all of them (n, 3) [m]."""
     if not ribs_under(found.placed, thin.points):
         return
     for rib in ribs_under(found.placed, xyz):
         with suppress(NoVaultError):
-            barrel = fitted_soffit(rib.soffit, thin, rng)
+            barrel = fitted_soffit(rib.soffit, thin, rng, springing=found.placed.pose.z)
             yield FoundArch(rib.soffit, barrel, np.full(2, rib.depth), np.full(2, rib.depth_std), rib.kind)
 
 
@@ -116,6 +116,8 @@ def _rib(placed: Placed, kind: str, start: Array, end: Array, points: Array, loc
     width = 4 * float(np.median(np.abs(beside[own] - place)))
     soffit = _soffit(placed, start, end, along, z, own, place, width)
     soffit = measured(measured(soffit, points[near][own]), points[near][own])
+    if isnan(soffit.width_std):  # edges of too few points: each step tells of the width by itself
+        soffit = replace(soffit, width_std=soffit.width / sqrt(len(known)))
     if not NARROWEST < soffit.width < 2 * HALF_WIDTH:
         return None
     return SeenRib(kind, soffit, depth, OF_MEDIAN * spread / sqrt(max(len(known) * STEP / TOGETHER, 1.0)))
