@@ -23,7 +23,7 @@ from families.declaration.usual_arches import COARSE_KINDS, COARSE_RISES, drawn_
 from families.declaration.vault import Vault
 
 EQUALLY_HIGH = 0.8  # the lower barrel rises to this share of the higher, else it is a row of lunettes
-SAME_HEIGHT = 1e-6  # [m] within which barrels are equally high
+SAME_HEIGHT = 0.005  # [m] within which barrels are so equally high that groins are straight but for the crown
 BEGUN = 0.02  # where a crown rise or an offset is looked for first
 
 
@@ -211,11 +211,11 @@ class Groin(Vault):
         round_ = all(isinstance(arch, Semicircular | Elliptical) for arch in self.profiles.values())
         if domical or not round_ or self.skew is not None or abs(self.rise_x - self.rise_y) > SAME_HEIGHT:
             return ()
-        sides, rise = self.plan.sides, self.rise
+        sides, rises = self.plan.sides, (self.rise_x, self.rise_y)
         return (
-            *diagonals(sides, CORNERS, Curve(hypot(*sides[0].start), rise)),
+            *diagonals(sides, CORNERS, Curve(hypot(*sides[0].start), min(rises))),
             *wall_arches(sides, SIDES, (self.profile_x, self.profile_y) * 2),
-            *ridges(sides, SIDES, rise, [rise] * 4),
+            *ridges(sides, SIDES, self.rise, rises * 2),
         )
 
     @classmethod

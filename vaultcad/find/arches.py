@@ -91,15 +91,14 @@ def find_arch(soffit: Soffit, thin: Thin, hung: Array, rng: np.random.Generator)
     return FoundArch(soffit, barrel, *_depth(soffit, barrel, hung))
 
 
-def fitted_soffit(soffit: Soffit, thin: Thin, rng: np.random.Generator, springing: float | None = None) -> Found:
-    """The barrel of a soffit, as long as that is wide; it springs where its piers end, or at a height [m].
+def fitted_soffit(soffit: Soffit, thin: Thin, rng: np.random.Generator) -> Found:
+    """The barrel of a soffit, as long as that is wide.
 
     Raises:
         NoVaultError: an arch of no kind comes near.
     """
     site = _site(soffit, thin)
-    pose = {"yaw": soffit.yaw} | ({} if springing is None else {"z": springing})
-    demands = Demands(sizes={"length": soffit.width, "slope": 0.0, "splay": 0.0}, pose=pose)
+    demands = Demands(sizes={"length": soffit.width, "slope": 0.0, "splay": 0.0}, pose={"yaw": soffit.yaw})
     hypotheses = recognise(site, rng, families=(Barrel,), demands=demands)
     refined = refine(hypotheses[0], site, rng, demands=demands)
     return likeliest_of(Found(site, hypotheses, refined, tolerance_of(refined)), demands, rng)

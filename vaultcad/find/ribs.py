@@ -35,6 +35,7 @@ HALF_WIDTH = 0.4  # m, of a rib at most
 DEPTH = 0.05, 0.5  # m, of a rib
 EVEN = 0.25  # of its depth, by which it may vary
 SEEN = 0.6  # share of its steps along which a rib must be seen
+MOST = 0.7  # share of a soffit's points that must lie on the arch that is fitted to it
 FOOT = 0.15  # share of a line at each end where ribs, webs and walls run into each other
 SAME = 0.03  # m; points so near the soffit's height in a step are its own
 CROSSING = 0.5  # m about the middle of a line where another rib crosses or meets it
@@ -70,13 +71,21 @@ def ribs_under(placed: Placed, xyz: NDArray[np.floating]) -> tuple[SeenRib, ...]
 
 
 def rib_arches(found: Found, thin: Thin, xyz: NDArray[np.floating], rng: np.random.Generator) -> Iterator[FoundArch]:
-    """The ribs under a vault as arches that spring with it, by a scan's points, thinned and all of them (n, 3) [m]."""
+    """The ribs under a vault as arches, by a scan's points, thinned and all of them (n, 3) [m]."""
     if not ribs_under(found.placed, thin.points):
         return
     for rib in ribs_under(found.placed, xyz):
         with suppress(NoVaultError):
-            barrel = fitted_soffit(rib.soffit, thin, rng, springing=found.placed.pose.z)
-            yield FoundArch(rib.soffit, barrel, np.full(2, rib.depth), np.full(2, rib.depth_std), rib.kind)
+            barrel = fitted_soffit(rib.soffit, thin, rng)
+            if _follows(barrel, rib.soffit, thin.points):
+                yield FoundArch(rib.soffit, barrel, np.full(2, rib.depth), np.full(2, rib.depth_std), rib.kind)
+
+
+def _follows(barrel: Found, soffit: Soffit, points: Array) -> bool:
+    """Whether most of a soffit's points (n, 3) [m] lie on its barrel."""
+    along, _ = soffit.local(points)
+    own = soffit.holds(points) & (np.abs(points[:, 2] - soffit.height(along)) < SAME)
+    return bool(own.any() and (np.abs(barrel.placed.distance(points[own])) < barrel.tolerance).mean() > MOST)
 
 
 def _lines(vault: Vault) -> Iterator[tuple[str, Array, Array]]:

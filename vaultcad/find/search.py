@@ -21,7 +21,7 @@ from vaultcad.find.refine import refine
 from vaultcad.find.ribs import SeenRib, rib_arches, ribs_under
 from vaultcad.find.rows import learned
 from vaultcad.fit.freedom import NONE, Demands
-from vaultcad.fit.label import label
+from vaultcad.fit.label import ArchBand, label
 from vaultcad.processes import spread
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
@@ -40,6 +40,7 @@ GAIN = 1.05  # the bays must explain so much more than one vault over all of the
 FLAT = 0.97  # share of a ceiling that is level, from which on it is none of a vault
 SHARE = 0.25  # of what is bent in a scan of several ceilings that its vaults must explain
 SQUARE = 0.2  # mean cosine of four times the angle between walls and an arch below which that is oblique to them
+FEWEST = 20  # thinned points that are nearer to a rib than to all else
 FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
 
 
@@ -121,8 +122,14 @@ def _ribbed(
 ) -> Findings:
     """The same with the ribs under vaults, which are not arches between these."""
     ribs = [rib for one in vaults for rib in rib_arches(one, thin, xyz, rng)]
+    if not ribs:
+        return Findings(vaults, tuple(arches), hung)
     between = [arch for arch in arches if not any(rib.is_along(arch) for rib in ribs)]
-    return Findings(vaults, (*between, *ribs), hung)
+    bands = [(one.placed, one.tolerance) for one in vaults]
+    arched = [ArchBand(one.barrel.placed, one.barrel.tolerance, one.depth) for one in (*between, *ribs)]
+    held = np.bincount(label(thin.points, bands, arched).arch, minlength=len(arched) + 1)[1 + len(between) :]
+    kept = [rib for rib, count in zip(ribs, held.tolist(), strict=True) if count >= FEWEST]
+    return Findings(vaults, (*between, *kept), hung)
 
 
 def _is_oblique(soffit: Soffit, thin: Thin) -> bool:
