@@ -73,14 +73,14 @@ def find_vaults(
     if not parting.is_parted:
         return _ribbed(_under_one_ceiling(thin, xyz, families, rng, demands), (), parting.hung, thin, xyz, rng)
     ceilings, soffits = parting.ceilings, parting.soffits
+    hung = np.concatenate([ceiling.points for ceiling in ceilings]) if ceilings else np.empty((0, 3))
+    rngs = rng.spawn(len(ceilings) + len(soffits))
     if any(_is_oblique(soffit, thin) for soffit in soffits):  # as ribs are, which part the webs of one vault
         with suppress(NoVaultError):
             whole = _under_one_ceiling(thin, xyz, families, rng.spawn(1)[0], demands)
             ribbed = _ribbed(whole, (), parting.hung, thin, xyz, rng)
             if any(rib.line == DIAGONAL for rib in ribbed.arches):
                 return ribbed
-    hung = np.concatenate([ceiling.points for ceiling in ceilings]) if ceilings else np.empty((0, 3))
-    rngs = rng.spawn(len(ceilings) + len(soffits))
 
     def work(k: int) -> tuple[Found, ...] | FoundArch | NoVaultError:
         try:
