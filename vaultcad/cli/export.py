@@ -11,7 +11,7 @@ import typer
 from families import Ribs
 from families.declaration.ribs import RIB_KINDS
 from vaultcad.cli.errors import refusing
-from vaultcad.cli.options import Bounds, number_info, single
+from vaultcad.cli.options import AsBuilt, Bounds, number_info, single
 from vaultcad.cli.outputs import check_file
 from vaultcad.cli.reading import show_notes
 
@@ -47,6 +47,7 @@ def export(
     model: Annotated[Path, typer.Argument(help="The model.json of a result, as it is or edited.")],
     out: Annotated[Path, typer.Option("--out", "-o", help=f"File to write, by its suffix: {', '.join(SUFFIXES)}.")],
     thickness: Thickness = None,
+    as_built: AsBuilt = "both",
     rib_width: RibWidth = None,
     rib_depth: RibDepth = Ribs.depth,
     ribs: RibKinds = EVERY_KIND,
@@ -63,7 +64,7 @@ def export(
 
     if not model.is_file():
         raise ModelFileError(f"{model}: no such file; give the model.json that a fit left")
-    told = read_model(model)
+    told = replace(read_model(model), drawn=as_built)
     if thickness is not None:
         told = replace(told, thickness=thickness, vaults=tuple(replace(v, thickness=None) for v in told.vaults))
     if rib_width is not None:
