@@ -12,6 +12,7 @@ from families.declaration.profiles import (
     Semicircular,
     Stilted,
 )
+from families.declaration.ribs import Ribs
 from families.declaration.vault import Surface, Vault
 from families.kinds.annular import Annular
 from families.kinds.barrel import Barrel
@@ -45,6 +46,7 @@ __all__ = [
     "Profile",
     "Range",
     "Rib",
+    "Ribs",
     "Rotunda",
     "Sail",
     "Segmental",

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from families import Vault
+from families import Ribs, Vault
 from families.declaration.parameters import derived_declarations
 from segmentation.crs import Crs
 from segmentation.notes import Note
@@ -192,6 +192,7 @@ class PlacedVault:
     thickness: float | None = field(default=None, kw_only=True)  # m, of its masonry; None for that of all
     label: str = field(default="", kw_only=True)  # what a user calls it
     solid: bool = field(default=True, kw_only=True)  # whether its body can be built
+    ribs: Ribs | None = field(default=None, kw_only=True)  # that hang under it
 
     @property
     def arches(self) -> dict[str, str]:
@@ -262,21 +263,30 @@ class FittedArch(FittedVault):
     """An arch between vaults: its soffit, a barrel as long as the arch is wide, and how deep it is.
 
     depth: by which it stands out under what is on its south and on its north side [m]; NaN under a wall. beside: the
-    vaults on these sides, by their numbers from 1; 0 for none.
+    vaults on these sides, by their numbers from 1; 0 for none. depth_std: standard deviations of the depths [m].
+    line: of a rib, the kind of line of its vault that it runs along: "diagonal" or "wall".
     """
 
     depth: tuple[float, float] = (nan, nan)
     beside: tuple[int, int] = (0, 0)
+    depth_std: tuple[float, float] = (nan, nan)
+    line: str = ""
 
     @property
     def kind(self) -> str:
-        """By what is beside it: transverse between two vaults, else a wall arch."""
-        return "transverse" if all(self.beside) else "wall"
+        """That of a rib's line; of others by what is beside it: transverse between two vaults, else a wall arch."""
+        return self.line or ("transverse" if all(self.beside) else "wall")
 
     @property
     def ring(self) -> float | None:
         """Its depth [m]: the lesser of both sides, for more may be the wall on it; None where neither is known."""
         return min((side for side in self.depth if isfinite(side)), default=None)
+
+    @property
+    def ring_std(self) -> float | None:
+        """Standard deviation of that [m]; None where it is not known."""
+        known = [std for side, std in zip(self.depth, self.depth_std, strict=True) if side == self.ring]
+        return next((std for std in known if isfinite(std)), None)
 
     @property
     def depth_of_stone(self) -> float | None:

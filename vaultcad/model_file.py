@@ -104,7 +104,9 @@ def plain_vault(fitted: FittedVault) -> dict[str, Any]:
 
 def plain_arch(arch: FittedArch) -> dict[str, Any]:
     """A fitted arch likewise, with its depths and what is beside it."""
-    return plain_vault(arch) | {"depth": finite(arch.depth), "beside": list(arch.beside)}
+    depths = {"depth": finite(arch.depth), "depth_std": finite(arch.depth_std)}
+    line = {"line": arch.line} if arch.line else {}
+    return plain_vault(arch) | depths | {"beside": list(arch.beside)} | line
 
 
 def _plain_pier(pier: FittedPier) -> dict[str, Any]:
@@ -143,9 +145,17 @@ def fitted_vault(told: Mapping[str, Any]) -> FittedVault:
 
 def fitted_arch(told: Mapping[str, Any]) -> FittedArch:
     """The arch that `plain_arch` tells of; raises as `fitted_vault` does."""
-    south, north = (nan if side is None else _number("depth", side) for side in told["depth"])
+    depth, std = _two("depth", told["depth"]), _two("depth_std", told.get("depth_std", (None, None)))
     below, above = map(int, told["beside"])
-    return FittedArch(**_fitted(told), depth=(south, north), beside=(below, above))
+    return FittedArch(
+        **_fitted(told), depth=depth, beside=(below, above), depth_std=std, line=str(told.get("line", ""))
+    )
+
+
+def _two(name: str, told: Any) -> tuple[float, float]:
+    """Of the south and north of an arch, NaN where it is not known."""
+    south, north = (nan if side is None else _number(name, side) for side in told)
+    return south, north
 
 
 def _fitted(told: Mapping[str, Any]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
-from math import pi
+from math import isfinite, pi
 from pathlib import Path
 from typing import Any
 
@@ -217,9 +217,13 @@ class _Labelled:
         (points,) = np.nonzero(self.labels.arch == number)
         mine = self.thinned.arch == number
         fitted = _measured(found.barrel, self, points, mine, np.ones(len(points), np.uint16), rng)
-        south, north = found.depth.tolist()
+        (south, north), (south_std, north_std) = found.depth.tolist(), found.depth_std.tolist()
+        if isfinite(found.soffit.width_std):
+            width = replace(fitted.parameters["length"], std=found.soffit.width_std)
+            fitted = replace(fitted, parameters={**fitted.parameters, "length": width})
         known = {f.name: getattr(fitted, f.name) for f in fields(fitted)}
-        return FittedArch(**known, depth=(south, north), beside=found.beside(vaults))
+        beside, std = found.beside(vaults), (south_std, north_std)
+        return FittedArch(**known, depth=(south, north), beside=beside, depth_std=std, line=found.line)
 
 
 def _measured(

@@ -20,6 +20,7 @@ from families.declaration.parameters import Parametric
 from families.declaration.pieces import Piece
 from families.declaration.plan import Plan
 from families.declaration.profiles import PROFILES, Profile
+from families.declaration.ribs import RibLine, Ribs
 from families.declaration.symmetry import Symmetry
 
 if TYPE_CHECKING:
@@ -114,6 +115,10 @@ class Vault(Parametric):
     @abstractmethod
     def pieces(self) -> tuple[Piece, ...]:
         """The void, from which the numeric surface and the solid are both made."""
+
+    def rib_lines(self) -> tuple[RibLine, ...]:
+        """The lines under which ribs may run, those first at whose sides others end; none where none are known."""
+        return ()
 
     @classmethod
     @abstractmethod
@@ -292,6 +297,21 @@ class Vault(Parametric):
         from families.solid import brep
 
         return brep.solid(self, thickness)
+
+    def ribs(self, section: Ribs | None = None) -> build123d.Compound:
+        """The ribs under the vault [mm]: a solid a rib, labelled, and the boss at which they meet.
+
+        Raises:
+            ValueError: no rib can hang under it, or none of that section; says why.
+
+        >>> from families import Rib, Ribs
+        >>> ribs = Rib(span_x=5, span_y=5).ribs(Ribs(width=0.25, depth=0.2, kinds=("diagonal",)))
+        >>> [rib.label for rib in ribs.children]
+        ['diagonal_south_west', 'diagonal_south_east', 'diagonal_north_east', 'diagonal_north_west', 'boss']
+        """
+        from families.solid import ribs
+
+        return ribs.compound(self, section or Ribs())
 
     def named_faces(self, shape: build123d.Shape) -> dict[str, build123d.ShapeList[build123d.Face]]:
         """The faces of this vault's void or solid, labelled and coloured, by component, "extrados" and "side".

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from math import hypot
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
@@ -15,12 +16,14 @@ from families.declaration.footprint import Footprint
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.plan import Axis, Plan
-from families.declaration.profiles import Profile, Semicircular
+from families.declaration.profiles import Curve, Elliptical, Profile, Semicircular
+from families.declaration.ribs import CORNERS, SIDES, RibLine, diagonals, ridges, wall_arches
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import COARSE_KINDS, COARSE_RISES, drawn_arch, either
 from families.declaration.vault import Vault
 
 EQUALLY_HIGH = 0.8  # the lower barrel rises to this share of the higher, else it is a row of lunettes
+SAME_HEIGHT = 0.005  # [m] within which barrels are so equally high that groins are straight but for the crown
 BEGUN = 0.02  # where a crown rise or an offset is looked for first
 
 
@@ -197,6 +200,22 @@ class Groin(Vault):
         return (
             barrel(axis_x, self.profile_x, ("web_south", "web_north")),
             barrel(axis_y, self.profile_y, ("web_east", "web_west")),
+        )
+
+    def rib_lines(self) -> tuple[RibLine, ...]:
+        """Groins, wall arches, and the level crowns of both barrels, where the groins are straight in plan.
+
+        Those of semicircles and ellipses are that, if they are equally high and flush over a rectangle: ellipses, too.
+        """
+        domical = self.crown_rise_ratio or self.offset_x_ratio or self.offset_y_ratio
+        round_ = all(isinstance(arch, Semicircular | Elliptical) for arch in self.profiles.values())
+        if domical or not round_ or self.skew is not None or abs(self.rise_x - self.rise_y) > SAME_HEIGHT:
+            return ()
+        sides, rises = self.plan.sides, (self.rise_x, self.rise_y)
+        return (
+            *diagonals(sides, CORNERS, Curve(hypot(*sides[0].start), min(rises))),
+            *wall_arches(sides, SIDES, (self.profile_x, self.profile_y) * 2),
+            *ridges(sides, SIDES, self.rise, rises * 2),
         )
 
     @classmethod

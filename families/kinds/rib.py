@@ -16,11 +16,12 @@ from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Plan
 from families.declaration.profiles import UNSTILTED, BasketHandle, Pointed, Profile, Segmental, Semicircular
+from families.declaration.ribs import CORNERS, SIDES, RibLine, diagonals, ridges, wall_arches
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import COARSE_RISES, either
 from families.declaration.vault import Vault
 
-SIDES = ("south", "east", "north", "west")
+LOOKED = (0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 0.95)  # shares of the way to a wall, where ridges are held against diagonals
 ONE_ARC = tuple(kind for kind in UNSTILTED if kind is not BasketHandle)
 SHARE = 0.5  # of the way to the corners, where its diagonals are looked at
 CREASED = 0.97  # cosine between the webs beside a diagonal, above which they are one surface, such as a sail
@@ -139,6 +140,17 @@ class Rib(Vault):
             for name, wall, arch in zip(SIDES, self.plan.sides, arches, strict=True)
         )
         return (Piece(tuple(webs)),)
+
+    def rib_lines(self) -> tuple[RibLine, ...]:
+        """Diagonals, wall arches, and ridges that are nowhere lower than the diagonals; none over free corners."""
+        if self.skew is not None:
+            return ()
+        sides, reach = self.plan.sides, self._half_diagonal
+        arches, rises = (self.profile_x, self.profile_y) * 2, (self.rise_x, self.rise_y) * 2
+        curve = self.profile_diagonal.curve(reach)
+        lines = ridges(sides, SIDES, self.rise, rises, self.ridge_bow)
+        shown = (line for line in lines if all(line.height(v) > curve.height(v * reach) for v in LOOKED))
+        return (*diagonals(sides, CORNERS, curve), *wall_arches(sides, SIDES, arches), *shown)
 
     @property
     def itself(self) -> bool:

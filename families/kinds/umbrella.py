@@ -15,6 +15,7 @@ from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Plan
 from families.declaration.profiles import UNSTILTED, Elliptical, Profile, Segmental, Semicircular
+from families.declaration.ribs import RibLine, diagonals, wall_arches
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import drawn_arch
 from families.declaration.vault import Vault
@@ -98,6 +99,12 @@ class Umbrella(Vault):
             for name, wall in zip(self.components, self.plan.sides, strict=True)
         )
         return (Piece(tuple(webs)),)
+
+    def rib_lines(self) -> tuple[RibLine, ...]:
+        """Those from the corners to the crown, and the wall arches."""
+        sides, names = self.plan.sides, [f"{k + 1}" for k in range(self.sides)]
+        curve = self.profile_diagonal.curve(self._reach)
+        return (*diagonals(sides, names, curve), *wall_arches(sides, names, [self.profile] * self.sides))
 
     @property
     def itself(self) -> bool:

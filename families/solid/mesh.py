@@ -61,6 +61,13 @@ def mesh_solid(
     return _meshed(shape, [(face, ids[name]) for face, name in brep.face_names(shape, vault)], tolerance, inward=False)
 
 
+def mesh_shape(shape: TopoDS_Shape, tolerance: float = 0.002) -> Mesh:
+    """Any closed shape [mm] as a closed mesh without components. Its triangles face outwards."""
+    from families.solid.occ.shapes import faces
+
+    return _meshed(shape, [(face, 0) for face in faces(shape)], tolerance, inward=False)
+
+
 def _meshed(shape: TopoDS_Shape, faces: list[tuple[TopoDS_Face, int]], tolerance: float, inward: bool) -> Mesh:
     from OCP.BRep import BRep_Tool
     from OCP.BRepMesh import BRepMesh_IncrementalMesh

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from families import Ribs
+from families.declaration.ribs import RIB_KINDS
+from vaultcad.cli.errors import refusing
 from vaultcad.cli.options import AsBuilt, Bounds, number_info, single
 from vaultcad.cli.outputs import check_file
 from vaultcad.cli.reading import show_notes
@@ -18,9 +21,20 @@ if TYPE_CHECKING:
     from vaultcad.model import Model
 
 SUFFIXES = (".step", ".stp", ".ifc", ".glb", ".wld", ".dxf", ".html", ".json")
+EVERY_KIND = ",".join(RIB_KINDS)
 Thickness = Annotated[
     float | None,
     number_info("thickness", Bounds(0.01, 5, "m", "of the masonry of all vaults, in place of the model's")),
+]
+RibWidth = Annotated[
+    float | None, number_info("rib_width", Bounds(0.05, 2, "m", "draw ribs of that width under rib and groin vaults"))
+]
+RibDepth = Annotated[
+    float, number_info("rib_depth", Bounds(0.03, 2, "m", "their depth below the vault; default 0.2 m"))
+]
+RibKinds = Annotated[
+    str,
+    typer.Option("--ribs", help="Where ribs run, of diagonal, wall, ridge; with commas between them.", metavar="KINDS"),
 ]
 
 
@@ -34,6 +48,9 @@ def export(
     out: Annotated[Path, typer.Option("--out", "-o", help=f"File to write, by its suffix: {', '.join(SUFFIXES)}.")],
     thickness: Thickness = None,
     as_built: AsBuilt = "both",
+    rib_width: RibWidth = None,
+    rib_depth: RibDepth = Ribs.depth,
+    ribs: RibKinds = EVERY_KIND,
 ) -> None:
     """Write a fitted model again: STEP, IFC, GLB, the plan (dxf), the report (html, json), or the world file of CAD.
 
@@ -50,6 +67,10 @@ def export(
     told = replace(read_model(model), drawn=as_built)
     if thickness is not None:
         told = replace(told, thickness=thickness, vaults=tuple(replace(v, thickness=None) for v in told.vaults))
+    if rib_width is not None:
+        with refusing():
+            section = Ribs(rib_width, rib_depth, tuple(ribs.split(",")))
+        told = replace(told, vaults=tuple(replace(v, ribs=section) for v in told.vaults))
     drawn = buildable(told)
     with replacing(out) as beside:
         # The report tells what was fitted; what is drawn has to be built.

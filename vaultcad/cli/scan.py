@@ -11,6 +11,7 @@ import typer
 from typer.core import TyperCommand
 
 from families import Vault
+from families.declaration.ribs import RIB_KINDS
 from vaultcad.cli.errors import refusing
 from vaultcad.cli.family import FamilyGroup, vault_of
 from vaultcad.cli.options import Bounds, Option, Seed, number, read, single
@@ -23,6 +24,14 @@ PANEL = "Room and scanner"
 PLACE = Bounds(-1e8, 1e8, "m", "coordinate of the origin")
 OTHERS = (
     Option("walls", str, "what the vault stands on: walls, or piers, open on all sides; default walls", "KIND", PANEL),
+    Option(
+        "rib_kinds",
+        tuple,
+        f"where ribs run, of {', '.join(RIB_KINDS)}, with commas between them; default all",
+        "KINDS",
+        PANEL,
+        lambda text: tuple(text.split(",")),
+    ),
     Option("lamp", bool, "a lamp hangs from the crown; default yes", panel=PANEL),
     Option("cornice", bool, "a cornice runs along the springing; default no", panel=PANEL),
     Option("scaffold", bool, "a scaffold stands in the room; default no", panel=PANEL),

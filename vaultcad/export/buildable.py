@@ -8,10 +8,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from families import Profile, Semicircular, Vault
+from families import Profile, Ribs, Semicircular, Vault
 from segmentation.notes import Note
 from vaultcad.export.as_built import solid_of
-from vaultcad.export.geometry import cut, exact, masonry
+from vaultcad.export.geometry import cut, exact, masonry, rib_bodies
 from vaultcad.model import Assembly, FittedVault, PlacedVault
 
 NUDGES = (0.0, 1e-5, -1e-5, 3e-5, -3e-5)  # of the first parameter, twice that of the second, and so on
@@ -40,6 +40,9 @@ def buildable(model: Placed) -> Placed:
             off = 1000 * _apart(placed.vault, vault)
             why = f"off the fitted {vault.title}, which cannot be built just so"
             notes.append(Note("nudged", f"{which}: its body is up to {off:.2g} mm {why}"))
+        if placed.ribs is not None and (why := _ribless(vault, placed.ribs)):
+            notes.append(Note("ribs", f"{which} is without ribs: {why}"))
+            placed = replace(placed, ribs=None)
         placed = replace(placed, vault=vault)
         try:
             for surface in model.surfaces(placed):
@@ -54,6 +57,15 @@ def buildable(model: Placed) -> Placed:
     vaults = tuple(built(placed, f"vault {k}" if several else "vault") for k, placed in enumerate(model.vaults, 1))
     arches = tuple(built(arch, f"arch {k}") for k, arch in enumerate(model.arches, 1))
     return replace(model, vaults=vaults, arches=arches, notes=tuple(notes))
+
+
+def _ribless(vault: Vault, ribs: Ribs) -> str:
+    """Why no such ribs can hang under a vault; empty if they can."""
+    try:
+        rib_bodies(vault, ribs)
+    except ValueError as error:
+        return str(error)
+    return ""
 
 
 def refusal(vault: Vault, thickness: float) -> str:

@@ -7,7 +7,7 @@ the whole without gap or overlap, whatever the family.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from families import Vault
+from families import Ribs, Vault
 from families.declaration.pieces import BarrelPart, Lid, Turned
 from families.solid.grid_mesh import relief
-from families.solid.mesh import Mesh, mesh_solid
+from families.solid.mesh import Mesh, mesh_shape, mesh_solid
 from vaultcad.errors import ExportError
 
 TOLERANCE = 0.003  # [m] between triangles and the exact surface, below what scanners can tell
@@ -57,6 +57,29 @@ def masonry(vault: Vault, thickness: float) -> Any:
     from families.solid import brep
 
     return brep.masonry(vault, thickness)
+
+
+@lru_cache(maxsize=KEPT)
+def rib_solids(vault: Vault, ribs: Ribs) -> Mapping[str, Any]:
+    """The exact bodies (TopoDS_Shape) of ribs and bosses in the vault's frame [mm], by their names.
+
+    Raises:
+        ValueError: no such ribs can hang under it.
+    """
+    from families.solid.ribs import rib_bodies
+
+    return {one.rib.name: one.shape for one in rib_bodies(vault, ribs)}
+
+
+@lru_cache(maxsize=KEPT)
+def rib_bodies(vault: Vault, ribs: Ribs) -> tuple[Body, ...]:
+    """The same as closed meshes.
+
+    Raises:
+        ValueError: likewise, or a mesh has a hole.
+    """
+    meshes = {name: closed(mesh_shape(shape, TOLERANCE)) for name, shape in rib_solids(vault, ribs).items()}
+    return tuple(Body(0, name, mesh.vertices, mesh.triangles, 0.0) for name, mesh in meshes.items())
 
 
 @lru_cache(maxsize=KEPT)

@@ -11,7 +11,7 @@ import numpy as np
 from families.solid.mesh import Mesh
 from vaultcad.displacement import Displacement
 from vaultcad.export.as_built import names_of, shell_of
-from vaultcad.export.geometry import Floats, Triangles
+from vaultcad.export.geometry import Floats, Triangles, rib_bodies
 from vaultcad.export.palette import Colour, colour
 from vaultcad.model import Assembly, PlacedVault
 
@@ -40,6 +40,9 @@ def write_glb(model: Assembly, path: Path) -> None:
             within = f"{prefix}{more}/" if more else prefix
             for name, part in _parts(placed, model.thickness_of(placed), surface):
                 scene.add_geometry(part, node_name=within + name, geom_name=within + name)
+        for rib in rib_bodies(placed.vault, placed.ribs) if placed.ribs else ():
+            part = _sharp(rib.vertices, rib.triangles, Y_UP @ placed.pose.placement())
+            scene.add_geometry(part, node_name=prefix + rib.name, geom_name=prefix + rib.name)
     scene.metadata["origin"] = model.origin.tolist()  # becomes the extras of the scene
     scene.metadata["crs"] = None if model.crs is None else model.crs.title
     path.write_bytes(scene.export(file_type="glb", include_normals=True))
@@ -56,9 +59,14 @@ def _parts(
         if patch.any():
             yield name, _trimesh(mesh, mesh.triangles[patch], place, colour(k), {"component": k})
     rest = mesh.triangles[(mesh.component == 0) | (mesh.component > len(names))]
-    corners = mesh.vertices[rest].reshape(-1, 3)  # every triangle with its own, so that edges stay sharp
-    apart = Mesh(corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 3), mesh.component[:0])
-    yield "extrados", _trimesh(apart, apart.triangles, place, colour(0), {})
+    yield "extrados", _sharp(mesh.vertices, rest, place)
+
+
+def _sharp(vertices: Floats, triangles: Triangles, place: Floats) -> trimesh.Trimesh:
+    """Stone with sharp edges: every triangle has its own corners."""
+    corners = vertices[triangles].reshape(-1, 3)
+    own = np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
+    return _trimesh(Mesh(corners, own, np.empty(0, np.uint16)), own, place, colour(0), {})
 
 
 def _trimesh(

@@ -1,4 +1,4 @@
-"""IFC4: one IfcRoof a vault, made of one IfcSlab a component, one IfcMember an arch, one IfcSpace a room.
+"""IFC4: one IfcRoof a vault, made of one IfcSlab a component, one IfcMember an arch or rib, one IfcSpace a room.
 
 Components are slabs of type ROOF because that is how IFC decomposes a roof, and what Revit, ArchiCAD and Bonsai show
 and schedule as one; a vault's web has no entity of its own. Bodies are triangulated: exact B-Rep in IFC is read wrong
@@ -12,11 +12,13 @@ from pathlib import Path
 
 from segmentation.io.stamp import stamp
 from vaultcad.export.geometry import Body
-from vaultcad.export.ifc_arch import member, type_members
+from vaultcad.export.ifc_arch import member
 from vaultcad.export.ifc_author import Author, Entity
 from vaultcad.export.ifc_bodies import as_built, shapes
+from vaultcad.export.ifc_members import type_members
 from vaultcad.export.ifc_places import on_storey, rooms, spatial_structure
 from vaultcad.export.ifc_properties import common, deviation, load_bearing, masonry, parameters
+from vaultcad.export.ifc_ribs import rib_members
 from vaultcad.measure.building import Building, building_of
 from vaultcad.model import Assembly, Component, FittedVault, PlacedVault
 
@@ -47,6 +49,11 @@ def write_ifc(model: Assembly, path: Path) -> None:
     for k, arch in enumerate(model.arches, 1):
         n = building.storey_of_arch(arch)
         placed_in.append((member(author, arch, k, storeys[n - 1], model), n))
+    arches, ribs = [element for element, _ in placed_in[len(roofs) :]], list[Entity]()
+    for k, placed in enumerate(model.vaults, 1):
+        n = building.storey(k)
+        ribs += (own := rib_members(author, placed, f"vault {k}", storeys[n - 1]))
+        placed_in += [(rib, n) for rib in own]
     for n, storey in enumerate(storeys, 1):
         author.relate(
             "IfcRelContainedInSpatialStructure",
@@ -54,7 +61,8 @@ def write_ifc(model: Assembly, path: Path) -> None:
             ("RelatingStructure", storey),
             ("RelatedElements", [element for element, of in placed_in if of == n]),
         )
-    type_members(author, project, [element for element, _ in placed_in[len(roofs) :]])
+    type_members(author, project, "arches", arches)
+    type_members(author, project, "ribs", ribs)
     rooms(author, model, building, storeys, roofs)
     # Its own writer stops on a full disk in the middle without a word, and takes no path that is not UTF-8.
     path.write_text(author.text(), encoding="utf-8", newline="\n")

@@ -96,8 +96,8 @@ def _arch(arch: FittedArch, up: float) -> list[str]:
         _unsure(arch.parameters["span"]),
         _unsure(arch.parameters["rise"]),
         _unsure(springing, up),
-        metres(arch.parameters["length"].value),
-        metres(arch.ring),
+        _unsure(arch.parameters["length"]),
+        "–" if arch.ring is None else _unsure(Estimate(arch.ring, "m", arch.ring_std)),
         "<br>".join(_unsure(arc.radius) for arc in arcs_of(arch)) or "–",
         f"{1000 * arch.deviation.rms:.1f} mm",
     ]

@@ -132,7 +132,9 @@ def arch(one: FittedArch, number: int, model: Model) -> dict[str, Any]:
         "springing": _raised(springing_of(one), up),
         "width": _estimate(one.parameters["length"]),
         "thickness": _number(model.thickness_of(one)),
+        "thickness_std": _number(one.ring_std) if one.thickness is None else None,
         "depth": {"south": _number(south), "north": _number(north)},
+        "depth_std": {"south": _number(one.depth_std[0]), "north": _number(one.depth_std[1])},
         "arcs": [
             {"radius": _estimate(arc.radius), "across": _estimate(arc.across), "height": _raised(arc.height, up)}
             for arc in arcs_of(one)

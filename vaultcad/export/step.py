@@ -16,6 +16,7 @@ from segmentation.temporary import announce
 from vaultcad.displacement import Displacement
 from vaultcad.errors import ExportError
 from vaultcad.export.as_built import names_of, solid_of
+from vaultcad.export.geometry import rib_solids
 from vaultcad.export.palette import Colour, colour
 from vaultcad.export.part21 import encoded, in_order, unbroken
 from vaultcad.legible import legible
@@ -32,7 +33,7 @@ SETTINGS = {"write.step.schema": "AP214IS", "write.step.unit": "MM"}
 
 
 def write_step(model: Assembly, path: Path) -> None:
-    """Write an assembly named after the scan, of the solids of each vault or arch that `model.drawn` asks for.
+    """Write an assembly named after the scan, of the solids of each vault, arch or rib that `model.drawn` asks for.
 
     They are placed by the vault's pose relative to the origin; that of the stone is named after the ideal one.
 
@@ -59,6 +60,10 @@ def write_step(model: Assembly, path: Path) -> None:
             part = _part(shapes, document.Main(), placed, model.thickness_of(placed), surface, _stand_in(len(names)))
             _name(shapes.AddComponent(assembly, part, _location(placed.pose)), _stand_in(len(names)))
             names.append(f"{name} {more}".rstrip())
+        for rib, shape in (rib_solids(placed.vault, placed.ribs) if placed.ribs else {}).items():
+            part = _plain_part(shapes, document.Main(), _solid(shape), _stand_in(len(names)))
+            _name(shapes.AddComponent(assembly, part, _location(placed.pose)), _stand_in(len(names)))
+            names.append(f"{name} {rib}")
     shapes.UpdateAssemblies()
 
     STEPCAFControl_Controller.Init_s()
@@ -107,14 +112,22 @@ def _part(
     vault, solid = placed.vault, _solid(solid_of(placed.vault, thickness, surface))
     shown = brep.face_names(solid_of(vault, thickness, None), vault)  # displaced faces are in the order of these
     colours = XCAFDoc_DocumentTool.ColorTool_s(main)
-    part = shapes.AddShape(solid, False)
-    _name(part, name)
-    colours.SetColor(part, _rgb(colour(0)), XCAFDoc_ColorSurf)
+    part = _plain_part(shapes, main, solid, name)
     for face, (_, component) in zip(faces(solid), shown, strict=True):
         label = shapes.AddSubShape(part, face)
         _name(label, component)
         if component in vault.components:
             colours.SetColor(label, _rgb(colour(vault.components.index(component) + 1)), XCAFDoc_ColorSurf)
+    return part
+
+
+def _plain_part(shapes: XCAFDoc_ShapeTool, main: TDF_Label, solid: TopoDS_Shape, name: str) -> TDF_Label:
+    """A body in the colour of stone."""
+    from OCP.XCAFDoc import XCAFDoc_ColorSurf, XCAFDoc_DocumentTool
+
+    part = shapes.AddShape(solid, False)
+    _name(part, name)
+    XCAFDoc_DocumentTool.ColorTool_s(main).SetColor(part, _rgb(colour(0)), XCAFDoc_ColorSurf)
     return part
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from vaultcad.find.found import Found, likeliest_of, tolerance_of
 from vaultcad.find.recognise import recognise
 from vaultcad.find.refine import refine
 from vaultcad.fit.freedom import Demands
-from vaultcad.survey.soffits import Soffit
+from vaultcad.survey.soffits import SIGMA, Soffit
 from vaultcad.survey.thinned_scan import STEEP, UPRIGHT, Site, Thin, turned
 
 Array = NDArray[np.float64]
@@ -24,17 +25,30 @@ WITHIN = 0.02  # m within its edges from which on a point is the soffit's
 ENDS = 0.1  # m between the points that tie its edges
 NEXT = 0.03, 0.25  # m beyond its edges where the vault beside it is looked for
 DEPTH = 0.05, 0.8  # m by which a vault beside an arch is above it; more is a wall on it
+TOGETHER = 1.0  # m along an arch, within which the stone is off by as much
+OF_MEDIAN = sqrt(pi / 2)  # standard deviation of a median of n that are spread normally / theirs / √n
 HAUNCH, SEEN = 0.7, 0.5  # of its half span on which it is measured, and the share of that where it must be
 IN_LINE, APART = 0.3, 2.0  # m that arches of an arcade are out of line, and between their ends, at most
 
 
 @dataclass(frozen=True)
 class FoundArch:
-    """An arch. barrel: its soffit. depth: (2,) by which it stands out on its south and its north [m], or NaN."""
+    """An arch. barrel: its soffit. depth: (2,) by which it stands out on its south and its north [m], or NaN.
+
+    depth_std: (2,) their standard deviations [m], likewise. line: of a vault's, the kind that it runs along as a rib.
+    """
 
     soffit: Soffit
     barrel: Found
     depth: Array
+    depth_std: Array
+    line: str = ""
+
+    def is_along(self, other: FoundArch) -> bool:
+        """Whether another lies where this one does."""
+        along, across = self.soffit.local(other.soffit.place[None])
+        turned = abs(np.sin(self.soffit.yaw - other.soffit.yaw))
+        return bool(abs(along[0]) < self.soffit.length / 2 and abs(across[0]) < IN_LINE and turned < IN_LINE)
 
     def faces(self, others: Sequence[FoundArch]) -> Array:
         """(2,) how deep its own faces are [m], as deep as the lesser; NaN for an arcade's, whose are the wall's."""
@@ -73,12 +87,21 @@ def find_arch(soffit: Soffit, thin: Thin, hung: Array, rng: np.random.Generator)
     Raises:
         NoVaultError: an arch of no kind comes near.
     """
+    barrel = fitted_soffit(soffit, thin, rng)
+    return FoundArch(soffit, barrel, *_depth(soffit, barrel, hung))
+
+
+def fitted_soffit(soffit: Soffit, thin: Thin, rng: np.random.Generator) -> Found:
+    """The barrel of a soffit, as long as that is wide.
+
+    Raises:
+        NoVaultError: an arch of no kind comes near.
+    """
     site = _site(soffit, thin)
     demands = Demands(sizes={"length": soffit.width, "slope": 0.0, "splay": 0.0}, pose={"yaw": soffit.yaw})
     hypotheses = recognise(site, rng, families=(Barrel,), demands=demands)
     refined = refine(hypotheses[0], site, rng, demands=demands)
-    barrel = likeliest_of(Found(site, hypotheses, refined, tolerance_of(refined)), demands, rng)
-    return FoundArch(soffit, barrel, _depth(soffit, barrel, hung))
+    return likeliest_of(Found(site, hypotheses, refined, tolerance_of(refined)), demands, rng)
 
 
 def _site(soffit: Soffit, thin: Thin) -> Site:
@@ -110,20 +133,25 @@ def _site(soffit: Soffit, thin: Thin) -> Site:
     )
 
 
-def _depth(soffit: Soffit, barrel: Found, hung: Array) -> Array:
-    """(2,) how far the vaults on either side stand above an arch [m]; NaN where none does along much of it."""
+def _depth(soffit: Soffit, barrel: Found, hung: Array) -> tuple[Array, Array]:
+    """(2,) how far the vaults on either side stand above an arch [m], and how sure; NaN where none does along much.
+
+    By the median of what is seen of them; within `TOGETHER` all of it errs together, as the stone that settled does.
+    """
     along, across = soffit.local(hung)
     near = np.abs(along) < HAUNCH * soffit.length / 2
-    out = []
-    for side in (-1, 1):
+    depth, std = np.full(2, np.nan), np.full(2, np.nan)
+    for k, side in enumerate((-1, 1)):
         beyond = side * across - soffit.width / 2
         mine = np.flatnonzero(near & (beyond > NEXT[0]) & (beyond < NEXT[1]))
         over = _over(soffit, barrel, hung[mine])
         close = (over > DEPTH[0]) & (over < DEPTH[1])
-        bins = np.floor(along[mine[close]] / ENDS)
-        seen = len(np.unique(bins)) * ENDS > SEEN * HAUNCH * soffit.length
-        out.append(float(np.median(over[close])) if seen else np.nan)
-    return np.array(out)
+        steps = np.unique(np.floor(along[mine[close]] / ENDS))
+        if len(steps) * ENDS > SEEN * HAUNCH * soffit.length:
+            depth[k] = float(np.median(over[close]))
+            spread = SIGMA * np.median(np.abs(over[close] - depth[k]))
+            std[k] = OF_MEDIAN * spread / sqrt(max(len(steps) * ENDS / TOGETHER, 1.0))
+    return depth, std
 
 
 def _over(soffit: Soffit, barrel: Found, points: Array) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
+from families.declaration.ribs import DIAGONAL
 from vaultcad.errors import NoVaultError
 from vaultcad.find.arches import FoundArch, find_arch
 from vaultcad.find.found import Found, likeliest_of, tolerance_of
@@ -17,15 +18,17 @@ from vaultcad.find.misfit import Misfit, refuse_strangers
 from vaultcad.find.no_vault import check
 from vaultcad.find.recognise import recognise
 from vaultcad.find.refine import refine
+from vaultcad.find.ribs import SeenRib, rib_arches, ribs_under
 from vaultcad.find.rows import learned
 from vaultcad.fit.freedom import NONE, Demands
-from vaultcad.fit.label import label
+from vaultcad.fit.label import ArchBand, label
 from vaultcad.processes import spread
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
 from vaultcad.survey.parting import Ceiling, parted
 from vaultcad.survey.patches import Patches
-from vaultcad.survey.thinned_scan import Site, Thin, find_site
+from vaultcad.survey.soffits import Soffit
+from vaultcad.survey.thinned_scan import STEEP, UPRIGHT, Site, Thin, find_site
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -36,6 +39,8 @@ CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it fr
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
 FLAT = 0.97  # share of a ceiling that is level, from which on it is none of a vault
 SHARE = 0.25  # of what is bent in a scan of several ceilings that its vaults must explain
+SQUARE = 0.2  # mean cosine of four times the angle between walls and an arch below which that is oblique to them
+FEWEST = 20  # thinned points that are nearer to a rib than to all else
 FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
 
 
@@ -66,10 +71,16 @@ def find_vaults(
     """
     parting = parted(thin, xyz)
     if not parting.is_parted:
-        return Findings(_under_one_ceiling(thin, xyz, families, rng, demands), (), parting.hung)
+        return _ribbed(_under_one_ceiling(thin, xyz, families, rng, demands), (), parting.hung, thin, xyz, rng)
     ceilings, soffits = parting.ceilings, parting.soffits
     hung = np.concatenate([ceiling.points for ceiling in ceilings]) if ceilings else np.empty((0, 3))
     rngs = rng.spawn(len(ceilings) + len(soffits))
+    if any(_is_oblique(soffit, thin) for soffit in soffits):  # as ribs are, which part the webs of one vault
+        with suppress(NoVaultError):
+            whole = _under_one_ceiling(thin, xyz, families, rng.spawn(1)[0], demands)
+            ribbed = _ribbed(whole, (), parting.hung, thin, xyz, rng)
+            if any(rib.line == DIAGONAL for rib in ribbed.arches):
+                return ribbed
 
     def work(k: int) -> tuple[Found, ...] | FoundArch | NoVaultError:
         try:
@@ -96,9 +107,36 @@ def find_vaults(
         what = f"bay {k} of {len(ceilings)}" if k <= len(ceilings) else f"arch {k - len(ceilings)} of {len(soffits)}"
         progress(f"{what}: {told}")
     if not vaults:  # holes and scaffolds can part what is one
-        return Findings(_under_one_ceiling(thin, xyz, families, rng, demands), (), parting.hung)
+        return _ribbed(_under_one_ceiling(thin, xyz, families, rng, demands), arches, parting.hung, thin, xyz, rng)
     _check_share(vaults, ceilings)
-    return Findings(learned(vaults, demands), tuple(arches), parting.hung)
+    return _ribbed(learned(vaults, demands), arches, parting.hung, thin, xyz, rng)
+
+
+def _ribbed(
+    vaults: tuple[Found, ...],
+    arches: Sequence[FoundArch],
+    hung: Patches,
+    thin: Thin,
+    xyz: NDArray[np.floating],
+    rng: np.random.Generator,
+) -> Findings:
+    """The same with the ribs under vaults, which are not arches between these."""
+    ribs = [rib for one in vaults for rib in rib_arches(one, thin, xyz, rng)]
+    if not ribs:
+        return Findings(vaults, tuple(arches), hung)
+    between = [arch for arch in arches if not any(rib.is_along(arch) for rib in ribs)]
+    bands = [(one.placed, one.tolerance) for one in vaults]
+    arched = [ArchBand(one.barrel.placed, one.barrel.tolerance, one.depth) for one in (*between, *ribs)]
+    held = np.bincount(label(thin.points, bands, arched).arch, minlength=len(arched) + 1)[1 + len(between) :]
+    kept = [rib for rib, count in zip(ribs, held.tolist(), strict=True) if count >= FEWEST]
+    return Findings(vaults, (*between, *kept), hung)
+
+
+def _is_oblique(soffit: Soffit, thin: Thin) -> bool:
+    """Whether an arch runs at an angle to most of the walls about it."""
+    level = thin.normals[np.abs(thin.normals[:, 2]) < UPRIGHT, :2]
+    turned_by = 4 * (np.arctan2(level[:, 1], level[:, 0]) - soffit.yaw)
+    return bool(len(level) and np.cos(turned_by).mean() < SQUARE)
 
 
 def _check_bent(ceiling: Ceiling) -> None:
@@ -234,6 +272,10 @@ class _Search:
         site = _under_its_ceiling(find_site(thin, xyz), thin)
         hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
         refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
+        if ribs := ribs_under(refined.placed, site.points):  # which pull the webs down, and hide what they are
+            site = _without(site, ribs)
+            hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
+            refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
         found = Found(site, hypotheses, refined, tolerance_of(refined), misfit=Misfit.of(refined))
         check(refined, site, found.tolerance)
         refuse_strangers(found.misfit, found.placed.vault.title)
@@ -249,6 +291,13 @@ class _Search:
         points = self.ceiling.points(region)
         labels = label(points, [(one.placed, one.tolerance) for one in found])
         return int((labels.vault > 0).sum())
+
+
+def _without(site: Site, ribs: Sequence[SeenRib]) -> Site:
+    """The site without what is below ribs, and these."""
+    other = ~np.any([rib.holds(site.points) for rib in ribs], axis=0)
+    other |= np.abs(site.normals[:, 2]) < STEEP
+    return replace(site, **{name: getattr(site, name)[other] for name in ("points", "normals", "weights", "counts")})
 
 
 def _under_its_ceiling(site: Site, thin: Thin) -> Site:

@@ -6,6 +6,8 @@ may run on into the stone: the vault hides what is behind it.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,7 +24,7 @@ TOLERANCE = 0.0006  # of the vault's mesh [m], as little as the noise of a good 
 LONGEST_EDGE = 0.15  # edge [m], so that a mesh that is bent by the settlement stays about as smooth
 EXACT_VERTEX = 1e-5  # what the vertices of the mesh may be off [m]
 GAP = 0.0005  # of the walls behind the plan [m]: where a stilted vault runs up along a wall, the vault shows
-VAULT, FLOOR = 0.65, 0.3  # reflectance
+VAULT, RIB, FLOOR = 0.65, 0.5, 0.3  # reflectance
 ARCH_DEPTH, ARCH_DROP = 0.45, 0.12  # transverse arches between piers: their width, and how far they hang below [m]
 BEYOND = 3.0  # what is seen of the neighbouring bays [m]
 
@@ -32,12 +34,35 @@ def build(vault: Vault, settings: ScannerSettings, stations: Array, rng: np.rand
 
     Raises:
         ValueError: piers are asked for under a vault that stands on its walls.
-        VaultcadError: the vault could not be meshed.
+        VaultcadError: the vault could not be meshed, or no such ribs can hang under it.
     """
     intrados = vault_triangles(vault)
     piers = settings.walls == "piers"
     shell = _on_piers(vault, settings, intrados) if piers else _on_walls(vault, settings, intrados, rng)
-    return join([intrados, split(join(shell), LONGEST_EDGE), *furnish(vault, settings, stations, rng)])
+    ribs = [split(part, LONGEST_EDGE) for part in _ribs(vault, settings)]
+    return join([intrados, *ribs, split(join(shell), LONGEST_EDGE), *furnish(vault, settings, stations, rng)])
+
+
+def _ribs(vault: Vault, settings: ScannerSettings) -> Iterator[Triangles]:
+    """Its ribs, each with a number of its own in place of a component: those after the vault's.
+
+    Raises:
+        VaultcadError: no such ribs can hang under it.
+    """
+    from families.solid.mesh import mesh_shape
+    from families.solid.ribs import rib_bodies
+
+    if settings.ribs is None:
+        return
+    try:
+        bodies = rib_bodies(vault, settings.ribs)
+    except ValueError as error:
+        raise VaultcadError(f"rib_width = {settings.rib_width:g}: {error}") from error
+    for number, body in enumerate(bodies, 1 + len(vault.components)):
+        mesh = mesh_shape(body.shape, TOLERANCE)
+        shown = np.full(len(mesh.triangles), number, np.uint16)
+        bright = np.full(len(mesh.triangles), RIB, np.float32)
+        yield Triangles(mesh.vertices, mesh.triangles.astype(np.int64), shown, bright)
 
 
 def vault_triangles(vault: Vault) -> Triangles:

@@ -29,13 +29,15 @@ class VirtualScan:
     """Points of all stations, one station after the other, each row by row upwards.
 
     xyz: (n, 3) [m], relative to `origin` (3,). component: (n,), 0 where it shows no vault, else as in
-    `vault.components`. intensity: (n,). station: (n,), index in `stations` (k, 3) [m], relative to `origin` too.
-    truth: what was scanned and how, see `vaultcad.scanner.truth.case`.
+    `vault.components`. arch: (n,), the 1-based number of the rib that it shows, 0 for none. intensity: (n,).
+    station: (n,), index in `stations` (k, 3) [m], relative to `origin` too. truth: what was scanned and how, see
+    `vaultcad.scanner.truth.case`.
     """
 
     xyz: Array
     origin: Array
     component: NDArray[np.uint16]
+    arch: NDArray[np.uint16]
     intensity: NDArray[np.uint16]
     station: NDArray[np.uint8]
     stations: Array
@@ -62,7 +64,8 @@ def scan(vault: Vault, settings: ScannerSettings | None = None, *, rng: np.rando
         place, pilot, measure, hide = rng.spawn(4)
     stations = _draw_stations(vault, settings, place)
     still = room.build(vault, settings, stations, build)
-    ideal = still.vertices[np.unique(still.triangles[still.component > 0])]
+    own = (still.component > 0) & (still.component <= len(vault.components))
+    ideal = still.vertices[np.unique(still.triangles[own])]
     depth = min(FOOTING, settings.wall_height)
     settlement = draw_settlement(ideal, vault.plan, depth, settings.settlement, settle)
     declared = DeclaredSettlement.of(settings, vault.plan, float(ideal[:, 2].max()), depth)
@@ -74,13 +77,17 @@ def scan(vault: Vault, settings: ScannerSettings | None = None, *, rng: np.rando
     shots, index, reported = shot_from(target, stations, step, settings, bounds, measure)
     shots = replace(shots, xyz=_placed(shots.xyz, settings))
     keep = ~_hidden(shots, _placed(ideal, settings), settings.holes, hide)
+    component, arch = _apart(shots.component[keep], len(vault.components))
 
     positions = _placed(reported, settings)
     case = truth.case(vault, settings, positions, step, int(keep.sum()))
     origin = np.array(settings.origin)
-    return VirtualScan(
-        shots.xyz[keep], origin, shots.component[keep], shots.intensity[keep], index[keep], positions, case
-    )
+    return VirtualScan(shots.xyz[keep], origin, component, arch, shots.intensity[keep], index[keep], positions, case)
+
+
+def _apart(shown: NDArray[np.uint16], components: int) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
+    """What points show as their components, and as the numbers of ribs, which follow those."""
+    return np.where(shown > components, 0, shown), np.where(shown > components, shown - components, 0)
 
 
 def _draw_stations(vault: Vault, settings: ScannerSettings, rng: np.random.Generator) -> Array:

@@ -7,6 +7,7 @@ from math import isfinite, pi
 from typing import Annotated, Literal, get_args
 
 from families.declaration.parameters import Parametric, Range
+from families.declaration.ribs import RIB_KINDS, Ribs
 
 Walls = Literal["walls", "piers"]
 
@@ -61,6 +62,10 @@ class ScannerSettings(Parametric):
     cornice: bool = False
     scaffold: bool = False
 
+    rib_width: Annotated[float, Range(0, 2, "m", "width of ribs under the vault; 0 for none")] = 0.0
+    rib_depth: Annotated[float, Range(0.03, 2, "m", "depth of these below the lines of the vault")] = 0.2
+    rib_kinds: tuple[str, ...] = RIB_KINDS
+
     crop: bool = False  # keep only the vault and what is within `crop_margin` below its springing
     crop_margin: Annotated[float, Range(0, 5, "m", "what a cropped scan keeps below the springing")] = 0.4
     yaw: Annotated[float, Range(-pi, pi, "rad", "turn of the vault's x axis about z, from the file's x axis")] = 0.0
@@ -69,7 +74,14 @@ class ScannerSettings(Parametric):
     def __post_init__(self) -> None:
         """Check the numbers as every family does, then the rest."""
         super().__post_init__()
+        if self.rib_width:
+            _ = self.ribs  # which refuses what cannot be
         if self.walls not in get_args(Walls):
             raise ValueError(f"walls = {self.walls!r} is not one of {', '.join(map(repr, get_args(Walls)))}")
         if len(self.origin) != 3 or not all(isfinite(v) and abs(v) <= 1e8 for v in self.origin):
             raise ValueError(f"origin = {self.origin!r} must be three finite coordinates within ±1e8 m")
+
+    @property
+    def ribs(self) -> Ribs | None:
+        """Those under the vault; None if there are none."""
+        return Ribs(self.rib_width, self.rib_depth, self.rib_kinds) if self.rib_width else None

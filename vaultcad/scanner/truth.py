@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
+from families.declaration.ribs import rib_plans
 from vaultcad.scanner.settings import ScannerSettings
 
 if TYPE_CHECKING:
@@ -33,11 +34,23 @@ def case(
         "derived": vault.derived_values(),
         "components": list(vault.components),
         "pose": {"origin": [x, y, floor + settings.wall_height], "yaw_deg": degrees(settings.yaw)},
+        **(
+            {"ribs": [rib.name for rib in rib_plans(vault.rib_lines(), vault.plan, settings.ribs)]}
+            if settings.ribs
+            else {}
+        ),
         "points": points,
         "step_deg": degrees(step),
         "stations": (stations + settings.origin).tolist(),
         "settings": asdict(settings),
     }
+
+
+def _ribs(vault: Vault, settings: ScannerSettings) -> dict[str, Any]:
+    """The names of the ribs in the order of their numbers, where there are any."""
+    if settings.ribs is None:
+        return {}
+    return {"ribs": [rib.name for rib in rib_plans(vault.rib_lines(), vault.plan, settings.ribs)]}
 
 
 def vault_of(truth: dict[str, Any]) -> Vault:
@@ -54,7 +67,8 @@ def write_scan(virtual: VirtualScan, path: Path) -> Path:
     """Write the points, with their intensity, as PLY, LAS, LAZ, E57 or text by the file's suffix, and the truth beside.
 
     The truth is an .npz with `component` (n,) uint16 and `station` (n,) uint8, both in the file's order, and `case`, a
-    JSON string. Returns its path.
+    JSON string; where there are ribs, with `arch` (n,) uint16, their 1-based numbers in `ribs` of the case. Returns its
+    path.
 
     Raises:
         ValueError: the suffix names no format that can be written.
@@ -66,7 +80,10 @@ def write_scan(virtual: VirtualScan, path: Path) -> Path:
     case = np.array(json.dumps(virtual.truth))
     write_cloud(path, virtual.xyz, origin=virtual.origin, intensity=virtual.intensity)
     with replacing(truth_path(path)) as beside:
-        np.savez_compressed(beside, component=virtual.component, station=virtual.station, case=case)
+        labels: dict[str, Any] = {"component": virtual.component, "station": virtual.station}
+        if virtual.truth.get("ribs"):
+            labels["arch"] = virtual.arch
+        np.savez_compressed(beside, **labels, case=case)
     return truth_path(path)
 
 

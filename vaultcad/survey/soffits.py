@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
+from math import nan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,8 @@ SOFFIT = 0.03  # m; points so near a soffit's curve are its own
 EDGE = 0.01, 0.15  # share of its points beyond its edge; m that the edge is beyond its patch at most
 STRIP, ENOUGH, FEWEST = 0.25, 30, 3  # m along a soffit in which its edges are measured, points there, and how often
 SEEN = 0.1, 0.9  # quantiles of those edges
+SIGMA = 1.4826  # standard deviation of what is spread normally / median of the distances from its median
+OF_QUANTILE = 1.71  # standard deviation of a tenth quantile of n / theirs / √n, likewise
 NEAR = 0.2  # m, cells of the plan in which its points are looked up
 
 
@@ -37,7 +40,8 @@ class Soffit:
     """Where the soffit of an arch lies.
 
     place: (2,) its middle in plan [m]. yaw: of the span [rad]. length, width: of its rectangle in plan [m].
-    curve: (k, 2) places along the span [m] and heights [m], in order.
+    curve: (k, 2) places along the span [m] and heights [m], in order. width_std: standard deviation of the width [m],
+    NaN where its edges were not measured.
     """
 
     place: Array
@@ -45,6 +49,7 @@ class Soffit:
     length: float
     width: float
     curve: Array
+    width_std: float = nan
 
     def local(self, xy: NDArray[np.floating]) -> tuple[Array, Array]:
         """How far points (n, 2 or 3) are along the span and across it from the middle [m]."""
@@ -153,10 +158,10 @@ def _edged(soffits: list[Soffit], xyz: NDArray[np.floating]) -> Iterator[Soffit]
     """Soffits up to their edges, which the points of the scan tell: patches end before."""
     near = _near(soffits, xyz)
     for soffit in soffits:
-        yield _measured(_measured(soffit, near), near)  # turned, then measured
+        yield measured(measured(soffit, near), near)  # turned, then measured
 
 
-def _measured(soffit: Soffit, points: NDArray[np.floating]) -> Soffit:
+def measured(soffit: Soffit, points: NDArray[np.floating]) -> Soffit:
     """A soffit up to the edges of its own of these points (n, 3) [m], in their direction."""
     near = points[soffit.holds(points, EDGE[1])].astype(np.float64)
     along, across = soffit.local(near)
@@ -170,14 +175,19 @@ def _measured(soffit: Soffit, points: NDArray[np.floating]) -> Soffit:
     middles = np.array([k for k in np.unique(strip) if (strip == k).sum() > ENOUGH]) * STRIP + STRIP / 2
     turn, shift = np.polyfit(middles, edges.mean(axis=1), 1)
     # Where the scanner did not see to the edge, it is farther out.
-    low, high = np.quantile(edges - (shift + turn * middles)[:, None], SEEN, axis=0).diagonal()
+    beside = edges - (shift + turn * middles)[:, None]
+    low, high = np.quantile(beside, SEEN, axis=0).diagonal()
     shift += (low + high) / 2
+    spread = SIGMA * np.median(np.abs(beside - np.median(beside, axis=0)), axis=0)
+    # Each edge ends between two points, as far from it as they are apart at most.
+    apart = sqrt(STRIP * (high - low) * len(edges) / len(across))
     c, s = np.cos(soffit.yaw), np.sin(soffit.yaw)
     return replace(
         soffit,
         place=soffit.place + shift * np.array([-s, c]),
         yaw=soffit.yaw + float(np.arctan(turn)),
         width=float(high - low),
+        width_std=float(np.hypot(OF_QUANTILE * np.hypot(*spread) / sqrt(len(edges)), apart / sqrt(6))),
     )
 
 

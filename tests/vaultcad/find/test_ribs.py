@@ -1,0 +1,46 @@
+"""Ribs in scans are found under the vault that they hang under, with their section and how sure it is."""
+
+import numpy as np
+import pytest
+
+from families import Groin, Mirror, Pointed, Rib
+from vaultcad.find.ribs import ribs_under
+from vaultcad.fit.solve import Placed
+from vaultcad.model import Pose
+from vaultcad.scanner import ScannerSettings, scan
+
+BARE = ScannerSettings(points=200_000, noise=0.003, settlement=0.02)
+VAULTS = (Groin(5, 5), Rib(4.5, 5, Pointed(0.75), Pointed(0.68)))
+
+
+def under(vault, **ribs):
+    """What is seen in a scan of it, and that scan."""
+    settings = ScannerSettings(points=BARE.points, noise=BARE.noise, settlement=BARE.settlement, **ribs)
+    virtual = scan(vault, settings, rng=np.random.default_rng(5))
+    return ribs_under(Placed(vault, Pose(0.0, 0.0, settings.wall_height, 0.0)), virtual.xyz), virtual
+
+
+@pytest.mark.parametrize("vault", VAULTS, ids=lambda vault: vault.id)
+def test_ribs_are_found_with_their_section(vault):
+    found, virtual = under(vault, rib_width=0.25, rib_depth=0.2, rib_kinds=("diagonal", "wall"))
+    assert [rib.kind for rib in found] == ["diagonal"] * 2 + ["wall"] * 4
+    for rib in found:
+        width, off = (0.25, 0.012) if rib.kind == "diagonal" else (0.125, 0.03)  # where walls hide the other edge
+        assert rib.soffit.width == pytest.approx(width, abs=off)
+        assert rib.depth == pytest.approx(0.2, abs=0.02)
+        assert 0.0005 < rib.depth_std < 0.02
+        assert abs(rib.soffit.width - width) < 3 * rib.soffit.width_std < 0.12
+    own = virtual.xyz[virtual.arch > 0]
+    assert np.any([rib.holds(own) for rib in found], axis=0).mean() > 0.9
+
+
+@pytest.mark.parametrize("vault", VAULTS, ids=lambda vault: vault.id)
+def test_no_ribs_are_made_up(vault):
+    assert under(vault)[0] == ()
+
+
+def test_vaults_without_four_straight_sides_have_none_looked_for():
+    from families import Rotunda
+
+    assert ribs_under(Placed(Rotunda(), Pose(0.0, 0.0, 0.0, 0.0)), np.zeros((10, 3))) == ()
+    assert ribs_under(Placed(Mirror(), Pose(0.0, 0.0, 0.0, 0.0)), np.zeros((0, 3))) == ()
