@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 DEEPEST = 0.8  # depth of an axis below the springing / half span, at the most
 SHALLOWEST = 0.5  # likewise of a centre, at the least: rays to corners on its own level would be level
 RIB_STEPS, RIB_POWER = 25, 5  # places along a rib, and power of the polynomial that its chord is taken for
+CROWNED = 0.5  # how far below its chord the axis is at the crown, as a share of what it is at the wall beyond that
 STEEPEST = 1.45  # rad, of a coordinate of a chart about a centre, beyond which rays are all but level
 
 
@@ -285,8 +286,8 @@ def _between_ribs(part: Web) -> BetweenRibs:
     middle = ((start + end) / 2 - part.centre) @ across
     wall = float((start - part.centre) @ [across[1], -across[0]])
     lean = np.arctan2(share * wall, height + depth)
-    # Well below the chord, for towards the crown arches on it may be as flat as one likes.
-    out = np.hypot(share * wall, height + depth) - DEEPEST * share * size / 2
+    # Well below the chord, for towards the crown arches on it may be as flat as one likes, and the chord is a point.
+    out = np.hypot(share * wall, height + depth) - DEEPEST * (share + CROWNED) / (1 + CROWNED) * size / 2
     chord, mean = (tuple(np.polyfit(lean, values, RIB_POWER).tolist()) for values in (out, share * middle))
     return BetweenRibs((x, y, -depth), (float(across[0]), float(across[1])), part.reach, size / 2, chord, mean)
 

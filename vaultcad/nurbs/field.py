@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.linalg import splu
+from scipy.linalg import solveh_banded
 
 Array = NDArray[np.float64]
 KNOTS = 0.25  # m, distance of the knots: what is smaller is stones, joints and noise
 MOST_SPANS = 48  # of knots, each way
 FEWEST_SPANS, FINEST = 8, 0.1  # of knots over a narrow region, unless they would be nearer than that [m]
 ROUGH = 3e-4  # weight of squared second differences of neighbouring coefficients against one cell of data a span
+FAINT = 1e-9  # weight of the coefficients themselves, so that there is one solution
 CELL = 0.02  # m, over which points are taken together
 FULL = 4  # points with which a cell has all its weight
 CUT = 1.5  # standard deviations from which on a cell counts less (Huber 1964): points are within a band already
@@ -50,6 +52,29 @@ def _evaluate(u: Array, v: Array, low: Array, step: Array, c: Array, out: Array)
             along += du[a] * row
             across += wu[a] * slope
         out[k, 0], out[k, 1], out[k, 2] = value, along / step[0], across / step[1]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")  # type: ignore[untyped-decorator,unused-ignore]
+def _accumulate(
+    columns: NDArray[np.int64], weights: Array, weight: Array, reach: Array, band: Array, right: Array
+) -> None:
+    """Add the normal equations of rows to a band (width + 1, n), its diagonal first, and a right side (n,)."""
+    n, size = columns.shape
+    for k in range(n):
+        for a in range(size):
+            i, share = columns[k, a], weight[k] * weights[k, a]
+            right[i] += share * reach[k]
+            for b in range(size):
+                j = columns[k, b]
+                if j <= i:
+                    band[i - j, j] += share * weights[k, b]
+
+
+class Design(NamedTuple):
+    """Of each place the coefficients that its value hangs on (n, 16), and by how much (n, 16)."""
+
+    columns: NDArray[np.int64]
+    weights: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,43 +139,61 @@ class Domain:
         n, m = (self.spans + 3).tolist()
         return (n - 3 if self.turn else n), m
 
-    def design(self, u: Array, v: Array) -> sparse.csr_array:
-        """The matrix (n, coefficients) of the values at places."""
+    @cached_property
+    def _order(self) -> NDArray[np.int64]:
+        """Where the coefficients of each place along u stand: those that close go to and fro, so that ends are near."""
+        n, _ = self._kept
+        k = np.arange(n)
+        return np.where(2 * k < n, 2 * k, 2 * (n - 1 - k) + 1) if self.turn else k
+
+    @property
+    def _band(self) -> int:
+        """Farthest that two coefficients of one span stand from each other."""
+        return (7 if self.turn else 3) * self._kept[1] + 3
+
+    def design(self, u: Array, v: Array) -> Design:
+        """What values at places are made of."""
         if self.turn:
             u = self.low[0] + (u - self.low[0]) % self.turn
-        at = [np.clip((x - low) / step, 0.0, spans) for x, low, step, spans in
-              zip((u, v), self.low, self.step, self.spans, strict=True)]
+        ends = zip((u, v), self.low, self.step, self.spans, strict=True)
+        at = [np.clip((x - low) / step, 0.0, spans) for x, low, step, spans in ends]
         cell = [np.minimum(x.astype(np.int64), spans - 1) for x, spans in zip(at, self.spans, strict=True)]
         w = [_weights(x - k) for x, k in zip(at, cell, strict=True)]
         n, m = self._kept
-        rows = (cell[0][:, None] + np.arange(4)) % n if self.turn else cell[0][:, None] + np.arange(4)
-        columns = (rows[:, :, None] * m + (cell[1][:, None] + np.arange(4))[:, None, :]).reshape(len(u), 16)
-        data = (w[0][:, :, None] * w[1][:, None, :]).reshape(len(u), 16)
-        start = np.arange(0, 16 * len(u) + 1, 16)
-        return sparse.csr_array((data.ravel(), columns.ravel(), start), shape=(len(u), n * m))
+        rows = self._order[(cell[0][:, None] + np.arange(4)) % n]
+        columns = rows[:, :, None] * m + (cell[1][:, None] + np.arange(4))[:, None, :]
+        weights = w[0][:, :, None] * w[1][:, None, :]
+        return Design(columns.reshape(len(u), 16), weights.reshape(len(u), 16))
 
     @cached_property
-    def roughness(self) -> sparse.csr_array:
-        """Sum of squared second differences of the coefficients along u, along v and across both."""
+    def _rough(self) -> Array:
+        """The penalty as a band: squared second differences of the coefficients along u, along v and across both."""
         n, m = self._kept
-        one, two = (_differences(n, order, bool(self.turn)) for order in (1, 2))
-        first, second = (_differences(m, order, False) for order in (1, 2))
-        parts = (
-            (two, sparse.eye_array(n), sparse.eye_array(m), None),
-            (None, sparse.eye_array(n), sparse.eye_array(m), second),
-        )
-        total = sparse.kron(two.T @ two, parts[0][2]) + sparse.kron(parts[1][1], second.T @ second)
-        return (total + 2 * sparse.kron(one.T @ one, first.T @ first)).tocsr()
+        band = np.zeros((self._band + 1, n * m))
+        i, j = np.meshgrid(np.arange(n), np.arange(m), indexing="ij")
+        along = i if self.turn else i[1:-1]
+        one, two = np.array([-1.0, 1.0]), np.array([1.0, -2.0, 1.0])
+        for around, across, where in (
+            (two, np.ones(1), (along, j[: len(along)])),
+            (np.ones(1), two, (i[:, 1:-1], j[:, 1:-1])),
+            (one, one * 2**0.5, (i[: None if self.turn else -1, :-1], j[: None if self.turn else -1, :-1])),
+        ):
+            a = np.arange(len(around)) - (len(around) == 3)
+            b = np.arange(len(across)) - (len(across) == 3)
+            rows = self._order[(where[0].reshape(-1, 1) + a) % n]
+            columns = (rows[:, :, None] * m + (where[1].reshape(-1, 1) + b)[:, None, :]).reshape(len(rows), -1)
+            weights = np.tile(np.outer(around, across).ravel(), (len(rows), 1))
+            _accumulate(columns, weights, np.ones(len(rows)), np.zeros(len(rows)), band, np.zeros(n * m))
+        return band
 
-    def solve(self, design: sparse.csr_array, weight: Array, reach: Array) -> Field:
-        """The smooth field with the least weighted squares at places with these rows of `design`."""
+    def solve(self, parts: Sequence[tuple[Design, Array, Array]]) -> Field:
+        """The smooth field with the least weighted squares: of each part its design, weights (n,) and reach (n,)."""
         n, m = self._kept
-        scaled = design.multiply(weight[:, None]).tocsr()
-        # One cell of data a span: as much as there is over those that have any.
-        matrix = (design.T @ scaled + ROUGH * self._cells * self.roughness).tocsc()
-        matrix += sparse.eye_array(n * m, format="csc") * 1e-9 * self._cells
-        flat = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(scaled.T @ reach)
-        grid = flat.reshape(n, m)
+        band, right = ROUGH * self._cells * self._rough, np.zeros(n * m)
+        band[0] += FAINT * self._cells
+        for design, weight, reach in parts:
+            _accumulate(design.columns, design.weights, weight, reach, band, right)
+        grid = solveh_banded(band, right, lower=True, check_finite=False).reshape(n, m)[self._order]
         if self.turn:
             grid = np.concatenate([grid, grid[:3]])
         return Field(self.low, self.step, np.ascontiguousarray(grid), self.turn)
@@ -181,19 +224,12 @@ class Cells:
 
 
 def fitted(domain: Domain, cells: Cells, held: Cells | None = None) -> Field:
-    """The field through cells, those far off left out, that passes places `held` as nearly as it can."""
-    design, weight, reach = domain.design(cells.u, cells.v), cells.weight, cells.reach
-    robust = np.ones_like(weight)
-    through = None if held is None else domain.design(held.u, held.v)
+    """The field through cells, those far off counting less, that passes places `held` as nearly as it can."""
+    design, reach = domain.design(cells.u, cells.v), cells.reach
+    robust = np.ones_like(reach)
+    through = [] if held is None else [(domain.design(held.u, held.v), HELD * held.weight, held.reach)]
     for _ in range(ROUNDS):
-        if through is None or held is None:
-            field = domain.solve(design, weight * robust, reach)
-        else:
-            field = domain.solve(
-                sparse.vstack([design, through], format="csr"),
-                np.concatenate([weight * robust, HELD * held.weight]),
-                np.concatenate([reach, held.reach]),
-            )
+        field = domain.solve([(design, cells.weight * robust, reach), *through])
         if len(reach) == 0:
             break
         off = reach - field(cells.u, cells.v)
@@ -206,13 +242,3 @@ def _weights(t: Array) -> Array:
     """Values (n, 4) of the four cubic B-splines over one span."""
     s = 1 - t
     return np.stack([s**3, 3 * t**3 - 6 * t**2 + 4, 3 * s**3 - 6 * s**2 + 4, t**3], axis=1) / 6
-
-
-def _differences(count: int, order: int, cyclic: bool) -> sparse.csr_array:
-    """Matrix of differences of neighbours, of that order."""
-    row = np.array([[-1.0, 1.0], [1.0, -2.0, 1.0]][order - 1])
-    rows = count if cyclic else count - order
-    at = np.arange(rows)[:, None] + np.arange(order + 1)
-    data = np.tile(row, rows)
-    index = (at % count).ravel()
-    return sparse.csr_array((data, index, np.arange(0, (order + 1) * rows + 1, order + 1)), shape=(rows, count))
