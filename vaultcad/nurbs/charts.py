@@ -8,7 +8,7 @@ its reach over both. Rays start so far below a flat arch that they meet it at a 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, hypot, pi, sin
 
 import numpy as np
@@ -78,6 +78,7 @@ class AboutCentre(Chart):
 
     centre: tuple[float, float, float]
     size: float
+    round: bool = False  # whether its net is of parallels and meridians all the same
 
     def chart(self, xyz: Array) -> tuple[Array, Array, Array]:
         """Leans and distance from the centre."""
@@ -253,7 +254,7 @@ def chart_of(part: Part | None, name: str, outline: Array) -> Chart:
             return AboutRing((*part.centre, part.base - depth), part.radius, start, hypot(out, depth), whole)
         case Turned():
             reach = np.hypot(*(outline[:, :2] - part.centre).T).max()
-            return _about(part.centre, part.base, reach, part.curve.rise)
+            return replace(_about(part.centre, part.base, reach, part.curve.rise), round=True)
         case Ball() if len(part.names) == 1:
             reach = np.hypot(*(outline[:, :2] - part.centre).T).max()
             return _about(part.centre, float(outline[:, 2].min()), reach, part.top - float(outline[:, 2].min()))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from families import Vault
 from vaultcad.nurbs.charts import Chart
+from vaultcad.nurbs.cusps import kept_apart
 from vaultcad.nurbs.field import Cells, Domain, fitted
 from vaultcad.nurbs.meeting import FreeSurface, crossing, met
 from vaultcad.nurbs.outline import Outline, Region, outline_of
@@ -125,7 +126,7 @@ def free_form(vault: Vault, xyz: Array, component: NDArray[np.integer]) -> FreeF
         for region, domain, mine, of in zip(outline.regions, domains, cells, outline.of_region, strict=True)
     ]
     everywhere = [np.ones(len(mine), bool) for mine in outline.of_region]
-    nodes = met(outline, ended, vault.plan, nodes, everywhere)
+    nodes = kept_apart(outline, met(outline, ended, vault.plan, nodes, everywhere))
     return FreeForm(vault, replace(outline, nodes=nodes), tuple(ended), tuple(shares), unseen)
 
 

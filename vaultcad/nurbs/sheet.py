@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 MARGIN = 0.05  # m, by which a surface reaches beyond its face
 BETWEEN = 4  # places between two nodes at which an edge is compared with its faces
 LEAST_GAP = 1e-6  # m, tolerance of an edge at the least
+CORNERS = (0.0, 3e-4, 1e-3, 3e-3, 1e-2)  # m, tolerances of corners, of which the first that will do is taken
 SLACK = 1.2  # of a tolerance over the largest gap that was found
 
 
@@ -40,7 +41,6 @@ class Sheet:
 def sheet_of(form: FreeForm) -> Sheet:
     """The sheet. valid: whether OpenCASCADE finds no fault; watertight: whether only the outline's edges are free."""
     from OCP.BRep import BRep_Builder
-    from OCP.BRepCheck import BRepCheck_Analyzer
     from OCP.TopAbs import TopAbs_FORWARD, TopAbs_REVERSED
     from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shell, TopoDS_Wire
 
@@ -63,8 +63,24 @@ def sheet_of(form: FreeForm) -> Sheet:
         turned = TopoDS.Face_s(shape.Reversed()) if maker.outwards(k) else shape
         builder.Add(shell, turned)
         faces.append((turned, face.field))
-    valid = bool(BRepCheck_Analyzer(shell, True, True).IsValid())
-    return Sheet(shell, tuple(faces), tuple(maker.surfaces), maker.gap, valid, _is_watertight(form, shell))
+    return Sheet(shell, tuple(faces), tuple(maker.surfaces), maker.gap, _made_valid(shell), _is_watertight(form, shell))
+
+
+def _made_valid(shell: TopoDS_Shell) -> bool:
+    """Whether OpenCASCADE finds no fault, once its corners have tolerances as large as they need.
+
+    Where a groin leaves a corner tangent to the arch on the wall, both all but coincide beyond the corner.
+    """
+    from OCP.BRepCheck import BRepCheck_Analyzer
+    from OCP.ShapeFix import ShapeFix_ShapeTolerance
+    from OCP.TopAbs import TopAbs_VERTEX
+
+    for tolerance in CORNERS:
+        if tolerance:
+            ShapeFix_ShapeTolerance().LimitTolerance(shell, tolerance * MM, 0.0, TopAbs_VERTEX)
+        if BRepCheck_Analyzer(shell, True, True).IsValid():
+            return True
+    return False
 
 
 def _is_watertight(form: FreeForm, shell: TopoDS_Shell) -> bool:
