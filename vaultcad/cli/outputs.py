@@ -29,8 +29,10 @@ def check_file(out: Path, suffixes: Iterable[str], *, inputs: Iterable[Path] = (
     _check_writable(out, out.parent)
 
 
-def check_folder(out: Path, *, inputs: Iterable[Path] = (), review: bool = False, force: bool = False) -> None:
-    """Whether a result, with or without a review, can be put into that folder.
+def check_folder(
+    out: Path, *, inputs: Iterable[Path] = (), review: bool = False, force: bool = False, more: Iterable[str] = ()
+) -> None:
+    """Whether a result, with or without a review, and with `more` files can be put into that folder.
 
     Raises:
         ExportError: a file is in the way, or a folder with something else than an earlier result, or, without `force`,
@@ -38,14 +40,25 @@ def check_folder(out: Path, *, inputs: Iterable[Path] = (), review: bool = False
         InputError: there is no place for it, or it would replace a file that is read.
     """
     from vaultcad.export.bundle import REVIEW, WRITERS
-    from vaultcad.export.folder import check_target
     from vaultcad.labelled_scan import SEGMENTS
 
-    names = [*WRITERS, SEGMENTS, *([REVIEW] if review else [])]
+    names = [*WRITERS, SEGMENTS, *([REVIEW] if review else []), *more]
     for path in inputs:
         if any((out / name).exists() and path.exists() and path.samefile(out / name) for name in names):
             raise InputError(f"{path}: would be replaced by the result; name another folder than {out}")
-    check_target(out, names, force=force)
+    check_files(out, names, force=force)
+
+
+def check_files(out: Path, names: Iterable[str], *, force: bool = False) -> None:
+    """Whether a result of files with these names can be put into that folder.
+
+    Raises:
+        ExportError: as `check_folder`.
+        InputError: there is no place for it.
+    """
+    from vaultcad.export.folder import check_target
+
+    check_target(out, [*names], force=force)
     real = Path(os.path.realpath(out))
     _check_writable(out, next(folder for folder in real.parents if folder.exists()))
 

@@ -75,11 +75,13 @@ class Author:
             axes = self.make("IfcAxis2Placement3D", Location=self.point(*matrix[:3, 3]), Axis=z, RefDirection=x)
         return self.make("IfcLocalPlacement", PlacementRelTo=parent, RelativePlacement=axes)
 
-    def body(self, vertices: NDArray[np.float64], triangles: NDArray[np.integer], colour: Colour) -> Entity:
-        """Shape of a product: a closed triangulated body, vertices (n, 3) [m], triangles (m, 3) turned outwards."""
+    def body(
+        self, vertices: NDArray[np.float64], triangles: NDArray[np.integer], colour: Colour, *, closed: bool = True
+    ) -> Entity:
+        """Shape of a product: vertices (n, 3) [m], triangles (m, 3) of a closed body or a surface."""
         points = self.make("IfcCartesianPointList3D", CoordList=(np.round(vertices, DECIMALS) + 0.0).tolist())
         faces = self.make(
-            "IfcTriangulatedFaceSet", Coordinates=points, Closed=True, CoordIndex=(triangles + 1).tolist()
+            "IfcTriangulatedFaceSet", Coordinates=points, Closed=closed, CoordIndex=(triangles + 1).tolist()
         )
         self.make("IfcStyledItem", Item=faces, Styles=(self._style(colour),))
         shape = self.make(

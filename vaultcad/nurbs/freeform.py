@@ -12,7 +12,7 @@ from vaultcad.nurbs.charts import Chart
 from vaultcad.nurbs.cusps import kept_apart
 from vaultcad.nurbs.field import Cells, Domain, fitted
 from vaultcad.nurbs.meeting import FreeSurface, crossing, met
-from vaultcad.nurbs.outline import Outline, Region, outline_of
+from vaultcad.nurbs.outline import Outline, outline_of
 
 Array = NDArray[np.float64]
 BESIDE = 0.03  # m, about edges between components: whose points these are is not known
@@ -126,7 +126,7 @@ def free_form(vault: Vault, xyz: Array, component: NDArray[np.integer]) -> FreeF
         for region, domain, mine, of in zip(outline.regions, domains, cells, outline.of_region, strict=True)
     ]
     everywhere = [np.ones(len(mine), bool) for mine in outline.of_region]
-    nodes = kept_apart(outline, met(outline, ended, vault.plan, nodes, everywhere))
+    nodes = kept_apart(outline, met(outline, ended, vault.plan, nodes, everywhere), ended)
     return FreeForm(vault, replace(outline, nodes=nodes), tuple(ended), tuple(shares), unseen)
 
 

@@ -20,6 +20,7 @@ LOOKS = 32  # lines by which a direction is judged
 NARROW = 0.05  # of the widest line, below which one is all but a point
 LEAP = 0.02  # m, of a border from one side of a line to the other
 ASIDE = 0.002  # m, from a leap
+SNAP = 0.45  # of the distance of lines, from which one moves to a corner of the border
 AT_END = 0.03  # m, that the nodes of an edge at the end of a net may lie apart along it
 MOST_LINES = 400
 
@@ -89,16 +90,18 @@ class _Border:
 
     def __init__(self, form: FreeForm, region: int) -> None:
         outline, chart = form.outline, form.surfaces[region].chart
-        pieces, corners = [], []
+        pieces, corners, self.length = [], [], 0.0
         for edge in outline.edges:
             if [outline.faces[face].field for face, _ in edge.sides].count(region) != 1:
                 continue
-            u, v, _ = chart.chart(outline.nodes[list(edge.nodes)])
+            nodes = outline.nodes[list(edge.nodes)]
+            self.length += float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum())
+            u, v, _ = chart.chart(nodes)
             if chart.turn:
                 u = np.unwrap(u, period=chart.turn)
             row = np.column_stack([u, v])
-            for shift in (-1, 0, 1) if chart.turn else (0,):
-                pieces.append(np.stack([row[:-1], row[1:]], axis=1) + [shift * chart.turn, 0.0])
+            line = np.stack([row[:-1], row[1:]], axis=1)
+            pieces += [line + [shift * chart.turn, 0.0] for shift in ((-1, 0, 1) if chart.turn else (0,))]
             corners += [row[0], row[-1]]
         self.pieces, self.corners, self.turn = np.concatenate(pieces), np.array(corners), chart.turn
         places = self.pieces.reshape(-1, 2)
@@ -150,9 +153,10 @@ def _rows(border: _Border, size: float) -> Array:
     at = np.linspace(low, high, _count(high - low, size) + 1)
     lines: list[float] = []
     corners = np.unique(np.round(border.corners[:, axis], 3))
-    for x in at.tolist():
-        nearest = float(corners[np.abs(corners - x).argmin()])
-        x = nearest if 0 < abs(nearest - x) < 0.45 * (at[1] - at[0]) and low < nearest < high and low < x < high else x
+    for even in at.tolist():
+        nearest = float(corners[np.abs(corners - even).argmin()])
+        near = abs(nearest - even) < SNAP * (at[1] - at[0]) and low < nearest < high and low < even < high
+        x = nearest if near else even
         leap = np.abs(np.subtract(border.span(axis, x - ASIDE), border.span(axis, x + ASIDE))).max()
         lines += [x - ASIDE, x + ASIDE] if leap > LEAP and low + ASIDE < x < high - ASIDE else [x]
     spans = np.array([border.span(axis, x) for x in lines])
@@ -182,7 +186,7 @@ def _star(border: _Border, size: float) -> Array:
     nodes = border.pieces.reshape(-1, 2)
     angle, reach = np.arctan2(nodes[:, 1], nodes[:, 0]), np.hypot(*nodes.T)
     order = np.argsort(angle, kind="stable")
-    way = np.linspace(-np.pi, np.pi, _count(2 * np.pi * float(reach.mean()), size) + 1)
+    way = np.linspace(-np.pi, np.pi, _count(border.length, size) + 1)
     edge = np.interp(way, angle[order], reach[order], period=2 * np.pi)
     share = np.linspace(1, 0, _count(float(reach.mean()), size) + 1)
     found: Array = (share[:, None] * edge)[..., None] * np.stack([np.cos(way), np.sin(way)], axis=-1)

@@ -81,7 +81,10 @@ class Outline:
     def rings(self, region: int, places: Array) -> list[Array]:
         """The loops of a region's faces as rows of places (n, 3), closed without repeating the first."""
         return [
-            places[row] for face in self.faces if face.field == region for row in (self.row(loop) for loop in face.loops)
+            places[row]
+            for face in self.faces
+            if face.field == region
+            for row in (self.row(loop) for loop in face.loops)
         ]
 
     def row(self, loop: tuple[tuple[int, bool], ...]) -> list[int]:
@@ -154,14 +157,17 @@ class _Reader:
             inner = range(len(places), len(places) + len(points) - 2)
             places += list(points[1:-1])
             tangents += list(along[1:-1])
-            edges.append(
-                Edge((start, *inner, end), tuple((face_of[face], forward) for face, forward in self.sides[k]))
-            )
+            edges.append(Edge((start, *inner, end), tuple((face_of[face], forward) for face, forward in self.sides[k])))
         nodes = np.array(places)
         faces = _faces(edges, region, nodes)
         outline = Outline((), faces, tuple(edges), nodes, np.array(tangents), len(corner_ids))
         return Outline(
-            tuple(self._regions(outline, region, face_of)), faces, tuple(edges), nodes, outline.tangents, len(corner_ids)
+            tuple(self._regions(outline, region, face_of)),
+            faces,
+            tuple(edges),
+            nodes,
+            outline.tangents,
+            len(corner_ids),
         )
 
     def _grouped(self) -> tuple[list[int], list[int]]:
@@ -172,12 +178,7 @@ class _Reader:
         closing = {region for region in set(whole) if self._closes(region, whole)}
         joined = _joined(
             len(self.faces),
-            [
-                (a, b)
-                for k in smooth
-                for a, b in [tuple(face for face, _ in self.sides[k])]
-                if whole[a] not in closing
-            ],
+            [(a, b) for k in smooth for a, b in [tuple(face for face, _ in self.sides[k])] if whole[a] not in closing],
         )
         region_of = {group: k for k, group in enumerate(dict.fromkeys(whole))}
         face_number = {group: k for k, group in enumerate(dict.fromkeys(joined))}
@@ -195,7 +196,8 @@ class _Reader:
         if not part.radius and part.names[0] == part.names[1]:
             return False
         border = [
-            self._ends(self.shapes[k]) for k, sides in enumerate(self.sides)
+            self._ends(self.shapes[k])
+            for k, sides in enumerate(self.sides)
             if sum(whole[face] == group for face, _ in sides) == 1
         ]
         ids = {end: k for k, end in enumerate(sorted({end for pair in border for end in pair}))}
@@ -207,7 +209,11 @@ class _Reader:
         if self.faces[a][1] != self.faces[b][1]:
             return False
         return all(
-            abs(float(_normal(self.shapes[edge], self.faces[a][0], at) @ _normal(self.shapes[edge], self.faces[b][0], at)))
+            abs(
+                float(
+                    _normal(self.shapes[edge], self.faces[a][0], at) @ _normal(self.shapes[edge], self.faces[b][0], at)
+                )
+            )
             > CREASE
             for at in (0.3, 0.5, 0.7)
         )
@@ -325,6 +331,4 @@ def _faces(edges: list[Edge], region: list[int], nodes: Array) -> tuple[Face, ..
 
 
 def _length(loop: tuple[tuple[int, bool], ...], edges: list[Edge], nodes: Array) -> float:
-    return sum(
-        float(np.linalg.norm(np.diff(nodes[list(edges[edge].nodes)], axis=0), axis=1).sum()) for edge, _ in loop
-    )
+    return sum(float(np.linalg.norm(np.diff(nodes[list(edges[edge].nodes)], axis=0), axis=1).sum()) for edge, _ in loop)

@@ -1,4 +1,4 @@
-"""The first modelling route of the paper, of all vaults of a scan: surfaces, sheet, nets and how far the stone is off."""
+"""The first modelling route of the paper, of vaults in a scan: surfaces, sheet, nets, and how far the stone is off."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class FreeVault:
 
 @dataclass(frozen=True, eq=False)
 class FreeRoute:
-    """Vaults by free surfaces. net: distance of the lines of their nets [m]. left_out: why others are not among them."""
+    """Vaults by free surfaces. net: distance of the lines of their nets [m]. left_out: why others are missing."""
 
     model: Model
     net: float

@@ -27,8 +27,12 @@ SLACK = 1.2  # of a tolerance over the largest gap that was found
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """shell: of all faces, turned to the room. faces: each with the region it is of. gap: the largest between an edge
-    and one of its faces [m]; that is its tolerance. surfaces: of the faces, in the vault's frame."""
+    """Faces with common edges.
+
+    shell: of all faces, turned to the room. faces: each with the region it is of. surfaces: of the faces, in the
+    vault's frame. gap: the largest between an edge and one of its faces [m], which is the tolerance of that edge.
+    valid: whether OpenCASCADE finds no fault. watertight: whether only the outline's border is free.
+    """
 
     shell: TopoDS_Shell
     faces: tuple[tuple[TopoDS_Face, int], ...]
@@ -39,7 +43,7 @@ class Sheet:
 
 
 def sheet_of(form: FreeForm) -> Sheet:
-    """The sheet. valid: whether OpenCASCADE finds no fault; watertight: whether only the outline's edges are free."""
+    """The sheet of free surfaces."""
     from OCP.BRep import BRep_Builder
     from OCP.TopAbs import TopAbs_FORWARD, TopAbs_REVERSED
     from OCP.TopoDS import TopoDS, TopoDS_Face, TopoDS_Shell, TopoDS_Wire

@@ -17,7 +17,7 @@ LEAST_SPANS = 4
 
 @dataclass(frozen=True, eq=False)
 class SplineSurface:
-    """knots_u, knots_v: clamped, with their repetitions [m]. points: (n, m, 3) control points [m]. Degree 3 each way."""
+    """Bicubic. knots_u, knots_v: clamped, with their repetitions [m]. points: (n, m, 3) control points [m]."""
 
     knots_u: Array
     knots_v: Array
