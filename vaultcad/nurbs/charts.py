@@ -1,7 +1,8 @@
 """Charts: two directions of a component's net, and the rays along which its surface is measured.
 
 A family gives the axis or the centre about which a component was built and how wide and high its outline is, nothing
-of its curve. In a chart every point has two coordinates along the net [m] and a reach along the ray there [m]; a surface is
+of its curve.
+In a chart every point has two coordinates along the net [m] and a reach along the ray there [m]; a surface is
 its reach over both. Rays start so far below a flat arch that they meet it at a wide angle everywhere.
 """
 

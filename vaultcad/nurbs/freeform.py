@@ -126,7 +126,7 @@ def free_form(vault: Vault, xyz: Array, component: NDArray[np.integer]) -> FreeF
         for region, domain, mine, of in zip(outline.regions, domains, cells, outline.of_region, strict=True)
     ]
     everywhere = [np.ones(len(mine), bool) for mine in outline.of_region]
-    nodes = kept_apart(outline, met(outline, ended, vault.plan, nodes, everywhere), ended)
+    nodes = kept_apart(outline, met(outline, ended, vault.plan, nodes, everywhere), tuple(ended))
     return FreeForm(vault, replace(outline, nodes=nodes), tuple(ended), tuple(shares), unseen)
 
 

@@ -3,7 +3,7 @@
 All nodes of an outline are moved at once, by weighted least squares: onto the surfaces of the faces that they are on,
 and, at free edges, into the plan's side or the level of the springing. How far they slide otherwise is held to what
 groins are off their ideal. So where two surfaces cross at an angle a node comes to lie on both; where they all but
-touch, as near the crown of a groin vault, their crossing is no figure to be had from a scan, and it stays on a common edge
+touch, as near the crown of a groin vault, their crossing is no figure to be had from a scan, and it stays on an edge
 between them, which both surfaces are fitted again to pass.
 """
 

@@ -101,7 +101,7 @@ class _Border:
                 u = np.unwrap(u, period=chart.turn)
             row = np.column_stack([u, v])
             line = np.stack([row[:-1], row[1:]], axis=1)
-            pieces += [line + [shift * chart.turn, 0.0] for shift in ((-1, 0, 1) if chart.turn else (0,))]
+            pieces += [line + np.array([shift * chart.turn, 0.0]) for shift in ((-1, 0, 1) if chart.turn else (0,))]
             corners += [row[0], row[-1]]
         self.pieces, self.corners, self.turn = np.concatenate(pieces), np.array(corners), chart.turn
         places = self.pieces.reshape(-1, 2)
