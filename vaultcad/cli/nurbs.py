@@ -66,6 +66,9 @@ def tell(route: FreeRoute) -> None:
         if not (vault.sheet.valid and vault.sheet.watertight):
             fault = "leaves gaps" if vault.sheet.valid else "has a fault by OpenCASCADE's check"
             typer.echo(f"vaultcad: vault {vault.number}: the sheet of free surfaces {fault}", err=True)
+        if vault.form.led:
+            why = "where they would meet, edges cross; they were led through common edges instead"
+            typer.echo(f"vaultcad: vault {vault.number}: {why}", err=True)
         for k in vault.form.unseen:
             name = vault.form.outline.regions[k].name
             typer.echo(f"vaultcad: vault {vault.number}: {name} has too few points; its edges alone shape it", err=True)

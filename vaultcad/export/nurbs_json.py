@@ -69,6 +69,7 @@ def _vault(vault: FreeVault) -> dict[str, Any]:
         "edges": {
             "shared": len(shared),
             "intersected": round(float(np.mean(shared)) if shared else 1.0, 4),
+            "led": form.led,
             "tolerance": round(vault.sheet.gap, DECIMALS),
         },
         "deviation": _deviation(vault.deviation),

@@ -1,8 +1,8 @@
 """Corners in which edges run out tangent to each other, as a groin and the wall arches do at the foot of a groin vault.
 
-There edges of a face are nearer to each other than a scan tells, so that each for itself they would cross. Nodes of free
-edges there go along with the nodes about them, those of edges between surfaces before all, as these alone have a place
-that is known; then they are moved square onto their own surface. So what lies apart in the ideal stays apart.
+There edges of a face are nearer to each other than a scan tells, so that each for itself they would cross. Nodes of
+free edges there go along with the nodes about them, those of edges between surfaces before all, as these alone have a
+place that is known; then they are moved square onto their own surface.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ APART = 2e-3  # m, up to which edges are not told apart
 SAFE = 3.0  # times by how much a node's own way differs from the common one that it is apart where it is let go
 ABOUT = 0.1  # m, standard deviation of the weights by which shifts are averaged
 BETWEEN = 8  # places between nodes by which edges' distances are taken
+ALIKE = 0.25  # m, likewise where all go along
 FOLLOWING = 1e-3  # weight of nodes of free edges against those of edges between surfaces
 ROUNDS = 3
 
@@ -43,6 +44,17 @@ def kept_apart(outline: Outline, nodes: Array, surfaces: tuple[FreeSurface, ...]
             mine = of[moved[of]]
             off, normal = surface.off(found[mine])
             found[mine] -= off[:, None] * normal
+    return np.asarray(found)
+
+
+def alike(outline: Outline, nodes: Array) -> Array:
+    """The nodes (n, 3) [m], all moved from those of the outline by what those about them are moved on average.
+
+    This changes so slowly from place to place that no edges cross which do not in the ideal.
+    """
+    square = ((outline.nodes[:, None, :] - outline.nodes[None, :, :]) ** 2).sum(axis=2)
+    weight = np.exp(-square / (2 * ALIKE**2))
+    found: Array = outline.nodes + weight @ (nodes - outline.nodes) / weight.sum(axis=1, keepdims=True)
     return found
 
 
@@ -58,10 +70,10 @@ def _apart(outline: Outline) -> Array:
         at = np.arange(BETWEEN * (len(row) - 1) + 1) / BETWEEN
         fine.append(np.column_stack([np.interp(at, np.arange(len(row)), column) for column in row.T]))
     for face in outline.faces:
-        edges = [edge for loop in face.loops for edge, _ in loop]
-        for edge in edges:
-            others = [fine[other] for other in edges if other != edge]
-            inner = np.array(outline.edges[edge].nodes)[1:-1]
+        around = [k for loop in face.loops for k, _ in loop]
+        for k in around:
+            others = [fine[other] for other in around if other != k]
+            inner = np.array(outline.edges[k].nodes)[1:-1]
             if others:
                 reach, _ = cKDTree(np.concatenate(others)).query(outline.nodes[inner])
                 found[inner] = np.minimum(found[inner], reach)

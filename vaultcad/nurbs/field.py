@@ -107,8 +107,9 @@ class Field:
         """The knots between two places along u (0) or v (1), without these."""
         first, step = self.low[axis], self.step[axis]
         k = np.arange(np.floor((low - first) / step), np.ceil((high - first) / step) + 1)
-        found: Array = first + k * step
-        return found[(found > low + step / 4) & (found < high - step / 4)]
+        found = first + k * step
+        inner: Array = found[(found > low + step / 4) & (found < high - step / 4)]
+        return inner
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,8 +220,8 @@ class Cells:
         i, j = (np.floor(x / size).astype(np.int64) for x in (u, v))
         i, j = i - i.min(), j - j.min()
         _, where, count = np.unique(i * (j.max() + 1) + j, return_inverse=True, return_counts=True)
-        means = (np.bincount(where, x, len(count)) / count for x in (u, v, reach))
-        return Cells(*means, np.minimum(count / FULL, 1.0))
+        a, b, c = (np.bincount(where, x, len(count)) / count for x in (u, v, reach))
+        return Cells(a, b, c, np.minimum(count / FULL, 1.0))
 
 
 def fitted(domain: Domain, cells: Cells, held: Cells | None = None) -> Field:

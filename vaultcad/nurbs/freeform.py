@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from families import Vault
 from vaultcad.nurbs.charts import Chart
-from vaultcad.nurbs.cusps import kept_apart
+from vaultcad.nurbs.cusps import alike, kept_apart
 from vaultcad.nurbs.field import Cells, Domain, fitted
 from vaultcad.nurbs.meeting import FreeSurface, crossing, met
 from vaultcad.nurbs.outline import Outline, outline_of
@@ -36,6 +36,7 @@ class FreeForm:
     surfaces: tuple[FreeSurface, ...]
     crossing: tuple[float, ...]
     unseen: tuple[int, ...]
+    led: bool = False  # whether all edges are common ones through which surfaces were led
 
     @property
     def gaps(self) -> Array:
@@ -96,11 +97,14 @@ class _Near:
         cell = np.floor((xyz - self.low) / self.size).astype(np.int64)
         inside = ((cell >= 0) & (cell < self.near.shape)).all(axis=1)
         at = np.flatnonzero(inside)
-        return at[self.near[tuple(cell[at].T)]]
+        found: NDArray[np.int64] = at[self.near[tuple(cell[at].T)]]
+        return found
 
 
-def free_form(vault: Vault, xyz: Array, component: NDArray[np.integer]) -> FreeForm:
+def free_form(vault: Vault, xyz: Array, component: NDArray[np.integer], *, led: bool = False) -> FreeForm:
     """The free surfaces through points (n, 3) [m] in the vault's frame with their components (n,).
+
+    led: whether surfaces are led through common edges, moved smoothly from the ideal, instead of being intersected.
 
     Raises:
         ValueError: OpenCASCADE cannot build the vault's outline, or no component has points.
@@ -120,11 +124,18 @@ def free_form(vault: Vault, xyz: Array, component: NDArray[np.integer]) -> FreeF
         for region, mine, of in zip(outline.regions, cells, outline.of_region, strict=True)
     ]
     nodes = met(outline, free, vault.plan, outline.nodes, seen)
-    shares = crossing(outline, free, nodes)
+    shares = [
+        0.0 if led and len(edge.sides) == 2 else share
+        for edge, share in zip(outline.edges, crossing(outline, free, nodes), strict=True)
+    ]
+    if led:
+        nodes = alike(outline, nodes)
     ended = [
         _through(region.chart, domain, mine, nodes[of])
         for region, domain, mine, of in zip(outline.regions, domains, cells, outline.of_region, strict=True)
     ]
+    if led:
+        return FreeForm(vault, replace(outline, nodes=nodes), tuple(ended), tuple(shares), unseen, led)
     everywhere = [np.ones(len(mine), bool) for mine in outline.of_region]
     nodes = kept_apart(outline, met(outline, ended, vault.plan, nodes, everywhere), tuple(ended))
     return FreeForm(vault, replace(outline, nodes=nodes), tuple(ended), tuple(shares), unseen)
@@ -158,7 +169,7 @@ def _domain(outline: Outline, k: int) -> Domain:
 
 def _shared_out(outline: Outline, xyz: Array, component: NDArray[np.integer]) -> list[Cells]:
     """The points of each region, over its chart, but for those beside edges to others."""
-    import shapely
+    from matplotlib.path import Path
     from scipy.spatial import cKDTree
 
     shared = [edge for edge in outline.edges if len(edge.sides) == 2]
@@ -179,7 +190,7 @@ def _shared_out(outline: Outline, xyz: Array, component: NDArray[np.integer]) ->
             inside = np.zeros(len(u), bool)
             for ring in outline.rings(k, outline.nodes):
                 a, b, _ = region.chart.chart(ring)
-                inside |= shapely.contains_xy(shapely.Polygon(np.column_stack([a, b])), u, v)
+                inside |= Path(np.column_stack([a, b])).contains_points(np.column_stack([u, v]))
             u, v, reach = u[inside], v[inside], reach[inside]
         found.append(Cells.of(u, v, reach) if len(u) else Cells(*(np.empty(0),) * 4))
     return found

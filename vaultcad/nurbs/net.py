@@ -43,7 +43,8 @@ class QuadNet:
         """Two of each quad (k, 3), those without an area left out."""
         found = np.concatenate([self.quads[:, [0, 1, 2]], self.quads[:, [0, 2, 3]]])
         a, b, c = found.T
-        return found[(a != b) & (b != c) & (c != a)]
+        whole: NDArray[np.int64] = found[(a != b) & (b != c) & (c != a)]
+        return whole
 
 
 def nets(form: FreeForm, size: float) -> tuple[QuadNet, ...]:

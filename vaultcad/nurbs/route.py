@@ -69,6 +69,11 @@ def _free_vault(scan: LabelledScan, number: int, net: float) -> FreeVault:
     which = scan.of(number)
     xyz, component = scan.in_frame(fitted, which), scan.component[which]
     form = free_form(fitted.vault, xyz, component)
+    sheet = sheet_of(form)
+    if not sheet.valid:  # edges cross, where surfaces all but touch
+        other = free_form(fitted.vault, xyz, component, led=True)
+        if (led := sheet_of(other)).valid:
+            form, sheet = other, led
     distance = form.distance(xyz, component)
     known = np.isfinite(distance)
     ids = np.unique(component[known]).tolist()
@@ -76,7 +81,7 @@ def _free_vault(scan: LabelledScan, number: int, net: float) -> FreeVault:
         number,
         fitted,
         form,
-        sheet_of(form),
+        sheet,
         nets(form, net),
         summarise(distance[known]),
         {k: summarise(distance[known & (component == k)]) for k in ids},

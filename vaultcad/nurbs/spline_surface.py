@@ -41,7 +41,7 @@ def spline_surface(surface: FreeSurface, low: Array, high: Array) -> SplineSurfa
     grid = places.reshape(len(u), len(v), 3)
     points = np.linalg.solve(_design(knots[0], u), grid.reshape(len(u), -1)).reshape(grid.shape)
     points = np.linalg.solve(_design(knots[1], v), points.swapaxes(0, 1).reshape(len(v), -1))
-    return SplineSurface(*knots, points.reshape(len(v), len(u), 3).swapaxes(0, 1))
+    return SplineSurface(knots[0], knots[1], points.reshape(len(v), len(u), 3).swapaxes(0, 1))
 
 
 def _on_surface(surface: FreeSurface, u: Array, v: Array) -> tuple[Array, Array, Array]:
