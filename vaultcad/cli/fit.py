@@ -77,8 +77,8 @@ def fit(
     from vaultcad.cli.summary import show_summary
     from vaultcad.fit.demands import demand
 
-    free = FREE_FILES if route == "nurbs" else ()
-    check_folder(out, inputs=[scan], review=review, force=force, more=free)
+    further = FREE_FILES if route == "nurbs" else ()
+    check_folder(out, inputs=[scan], review=review, force=force, more=further)
     families = _families(family)
     fixed, freed = _fixed(fix or []), tuple(free or [])
     with refusing():

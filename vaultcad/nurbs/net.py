@@ -81,9 +81,8 @@ def _turned(form: FreeForm, region: int, points: Array, quads: NDArray[np.int64]
     """Quads that face the room."""
     a, b, c = (points[quads[:, k]] for k in (0, 1, 2))
     across = np.cross(b - a, c - a)
-    largest = int(np.linalg.norm(across, axis=1).argmax())
-    into_stone = form.surfaces[region].off(a[largest][None])[1][0]
-    return quads if across[largest] @ into_stone < 0 else quads[:, [1, 0, 3, 2]]
+    _, into_stone = form.surfaces[region].off((a + b + c) / 3)
+    return quads if np.einsum("ij,ij->", across, into_stone) < 0 else quads[:, [1, 0, 3, 2]]
 
 
 class _Border:
@@ -121,9 +120,19 @@ class _Border:
 
     def span(self, axis: int, at: float) -> tuple[float, float]:
         """The first and the last of them; beyond the ends of the border those at the end."""
-        inset = 1e-6 * (self.high[axis] - self.low[axis])
-        found = self.crossings(axis, float(np.clip(at, self.low[axis] + inset, self.high[axis] - inset)))
+        low, high = self.low[axis] + self._depth(axis, 0), self.high[axis] - self._depth(axis, 1)
+        found = self.crossings(axis, float(np.clip(at, low, high)))
         return (float(found[0]), float(found[-1])) if len(found) else (0.0, 0.0)
+
+    def _depth(self, axis: int, end: int) -> float:
+        """How far the nodes of an edge at an end of the border lie from that, and a little more [m]."""
+        size = float(self.high[axis] - self.low[axis])
+        nodes = self.pieces.reshape(-1, 2)
+        off = np.abs(nodes[:, axis] - (self.low, self.high)[end][axis])
+        at_end = off < min(AT_END, size / 10)
+        if np.ptp(nodes[at_end, 1 - axis]) < AT_END:
+            return 1e-6 * size
+        return float(off[at_end].max()) + 1e-4
 
     def axis(self) -> int:
         """Along which lines are square to those across."""

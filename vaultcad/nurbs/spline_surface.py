@@ -39,9 +39,10 @@ def spline_surface(surface: FreeSurface, low: Array, high: Array) -> SplineSurfa
     u, v = (_greville(row) for row in knots)
     places = surface.chart.place(*_on_surface(surface, np.repeat(u, len(v)), np.tile(v, len(u))))
     grid = places.reshape(len(u), len(v), 3)
-    points = np.linalg.solve(_design(knots[0], u), grid.reshape(len(u), -1)).reshape(grid.shape)
-    points = np.linalg.solve(_design(knots[1], v), points.swapaxes(0, 1).reshape(len(v), -1))
-    return SplineSurface(knots[0], knots[1], points.reshape(len(v), len(u), 3).swapaxes(0, 1))
+    first = np.linalg.solve(_design(knots[0], u), grid.reshape(len(u), -1)).reshape(grid.shape)
+    second = np.linalg.solve(_design(knots[1], v), first.swapaxes(0, 1).reshape(len(v), -1))
+    points: Array = np.asarray(second.reshape(len(v), len(u), 3).swapaxes(0, 1), np.float64)
+    return SplineSurface(knots[0], knots[1], points)
 
 
 def _on_surface(surface: FreeSurface, u: Array, v: Array) -> tuple[Array, Array, Array]:
