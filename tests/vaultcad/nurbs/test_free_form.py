@@ -2,6 +2,7 @@
 
 import json
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ from vaultcad.nurbs.route import free_route
 NOISE = 0.003  # m
 POINTS = 60_000
 TRUTH = 0.003  # m, that surfaces are off the truth in 99 of 100 places
-CREASED = {"rib": 0.03, "umbrella": 0.006}  # whose webs end in corners that no knots are near enough to follow
+CREASED = {"rib": 0.03, "umbrella": 0.008}  # whose webs run out to points at their feet, with no data of their own
 SHEETS = [cls for cls in FAMILIES if cls.id != "rib"]  # the edges of which can touch along strips of no width
 
 
@@ -42,8 +43,6 @@ def scan_of(vault, *, keep=lambda xyz: np.ones(len(xyz), bool)):
     fitted_vault = placed(vault)
     place = fitted_vault.pose.placement()
     xyz = (noisy @ place[:3, :3].T + place[:3, 3])[kept]
-    from pathlib import Path
-
     model = Model(
         scan=Path("made.laz"),
         origin=np.zeros(3),
@@ -68,7 +67,7 @@ def test_surfaces_are_near_the_truth_though_the_scan_is_noisy(cls):
     sample = scan_of(cls())[1]
     off = np.abs(vault.form.distance(sample.xyz, sample.component))
     assert np.quantile(off, 0.99) < CREASED.get(cls.id, TRUTH)
-    assert vault.deviation.mean < 1.2 * NOISE
+    assert vault.deviation.mean < (1.5 if cls.id in CREASED else 1.0) * NOISE
 
 
 @pytest.mark.parametrize("cls", SHEETS, ids=lambda cls: cls.id)
@@ -93,7 +92,8 @@ def test_nets_are_regular_lie_on_the_surfaces_and_face_the_room(cls):
         normal = np.cross(b - a, c - a)
         into_stone = surface.off((a + b + c) / 3)[1]
         large = np.linalg.norm(normal, axis=1) > 1e-4
-        assert (np.einsum("ij,ij->i", normal, into_stone)[large] < 0).mean() > 0.98
+        facing = (np.einsum("ij,ij->i", normal, into_stone)[large] < 0).mean()
+        assert facing > (0.9 if cls.id in CREASED else 0.999)
 
 
 def test_a_hole_is_bridged_smoothly():
