@@ -48,7 +48,7 @@ def gordon(u: Array, v: Array, reach: Array, low: Array, high: Array) -> RectBiv
     along += CubicSpline(lines[0], (both - other).T, axis=1)(fine[0])
     skins = CubicSpline(lines[0], across)(fine[0]) + CubicSpline(lines[1], along)(fine[1]).T
     crossings = CubicSpline(lines[1], CubicSpline(lines[0], both)(fine[0]), axis=1)(fine[1])
-    return RectBivariateSpline(*fine, skins - crossings)
+    return RectBivariateSpline(fine[0], fine[1], skins - crossings)
 
 
 def main(folders: list[str]) -> None:
