@@ -11,11 +11,13 @@ from bench import (
     buildings,
     cost,
     defaults,
+    deformation,
     limits,
     measured,
     profiles,
     regressions,
     rooms,
+    sections,
     shapes,
     strangers,
     tables,
@@ -37,6 +39,8 @@ BENCHMARKS = {
     "limits": limits.run,
     "defaults": defaults.run,
     "uncertainty": uncertainty.run,
+    "sections": sections.run,
+    "deformation": deformation.run,
     "workbench": workbench.run,
 }
 
@@ -51,7 +55,20 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--write", action="store_true", help=f"put the figures into docs/{measured.PAGE.name}")
     parser.add_argument("--seeds", type=int, default=3, help="seeds of each ideal cloud (shapes), default 3")
     parser.add_argument("--points", type=int, default=1_000_000, help="points of a cloud, default 1000000")
-    for module in (cost, peers, rooms, buildings, barren, strangers, profiles, limits, defaults, uncertainty):
+    for module in (
+        cost,
+        peers,
+        rooms,
+        buildings,
+        barren,
+        strangers,
+        profiles,
+        limits,
+        defaults,
+        uncertainty,
+        deformation,
+        sections,
+    ):
         module.options(parser)
     chosen = parser.parse_args(arguments)
     unknown = sorted(set(chosen.names) - set(BENCHMARKS))

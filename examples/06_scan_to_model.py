@@ -17,6 +17,7 @@ from vaultcad.find.refine import refine
 from vaultcad.fit.label import label
 from vaultcad.measure.as_built import displacement
 from vaultcad.measure.deviation import summarise
+from vaultcad.measure.routes import as_built_distance
 from vaultcad.survey.thinned_scan import survey
 
 ROOM = Path(__file__).with_name("room.laz")
@@ -50,8 +51,9 @@ def main(out: Path, scan: Path = ROOM) -> None:
     frame = pose.frame()
     local = cloud.xyz[on] @ frame[:, :3].T + frame[:, 3]
     normal, distance = vault.evaluate(local).normal, labels.deviation[on].astype(np.float64)
-    field = displacement(local[::10], normal[::10], distance[::10])
-    rest = summarise(distance - np.einsum("nc,nc->n", field(local), normal))
+    foot = local - distance[:, None] * normal
+    surface = displacement(foot[::10], normal[::10], distance[::10])
+    rest = summarise(as_built_distance(vault, surface, local))
     print(f"as built: rms {1000 * rest.rms:.1f} mm")
 
     write_labelled(scan, out / "segments.laz", cloud, {"component": labels.component, "deviation": labels.deviation})

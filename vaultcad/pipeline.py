@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
 from segmentation.notes import Note
+from vaultcad.change.reading import read_deformation
+from vaultcad.deformation import Deformation
+from vaultcad.displacement import Displacement
 from vaultcad.errors import NoVaultError
 from vaultcad.find.arches import FoundArch
 from vaultcad.find.choices import odds, rivals, widened
@@ -24,18 +27,18 @@ from vaultcad.find.found import Found
 from vaultcad.find.recognise import confidence
 from vaultcad.find.search import find_vaults
 from vaultcad.fit.demands import demand
-from vaultcad.fit.freedom import RECTANGLE
+from vaultcad.fit.freedom import RECTANGLE, Demands
 from vaultcad.fit.label import ArchBand, Labels, label
 from vaultcad.fit.solve import Placed
 from vaultcad.fit.uncertainty import covariance, open_ends
 from vaultcad.legible import legible
-from vaultcad.measure.as_built import displacement
+from vaultcad.measure.as_built import as_built
 from vaultcad.measure.ceiling import account, missed
 from vaultcad.measure.coverage import look
 from vaultcad.measure.deviation import summarise
 from vaultcad.measure.estimates import estimates
 from vaultcad.measure.piers import piers_under
-from vaultcad.model import Component, Deviation, FittedArch, FittedVault, Model
+from vaultcad.model import Component, FittedArch, FittedVault, Model
 from vaultcad.one_thread import one_thread
 from vaultcad.survey.lean import lean_of
 from vaultcad.survey.thinned_scan import Site, Thin, thin_scan
@@ -45,9 +48,10 @@ Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 
 LOG = logging.getLogger(__name__)
+LOOKED_AT = 400_000  # points of a vault at least, if it has as many, of which some measure the as-built surface
 STAGES = ("thinning", "finding", "labelling", "measuring")
 SPARSE = 0.09  # m between points, from which on the end of a vault without a wall is hard to tell
-AS_BUILT = 20_000  # points of the as-built surface; half of them make it, the other half measure it
+REGISTRATION = 0.001  # m, by which figures may be off as stations are registered to 1 to 3 mm
 
 
 @dataclass(frozen=True)
@@ -114,8 +118,13 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
     with _stage("labelling", seconds, progress):
         labels, thinned = label(xyz, bands, arched), label(thin.points, bands, arched)
     with _stage("measuring", seconds, progress):
-        scan = _Labelled(labels, thin, thinned)
-        vaults = tuple(scan.vault(one, k, rng) for k, one in enumerate(found.vaults, 1))
+        scan = _Labelled(xyz, labels, thin, thinned)
+        several = len(cloud.stations) > 1
+        measured = [scan.vault(one, k, rng) for k, one in enumerate(found.vaults, 1)]
+        vaults = tuple(
+            replace(fitted, deformation=_read(one, demands, fitted.surface, several=several))
+            for fitted, one in zip(measured, found.vaults, strict=True)
+        )
         arches = tuple(scan.arch(one, k, found.vaults, rng) for k, one in enumerate(found.arches, 1))
         piers = piers_under(vaults, arches, thin)
         ceiling, unexplained = account(found.hung, bands, arched)
@@ -184,6 +193,7 @@ def _stage(name: str, seconds: dict[str, float], progress: Progress) -> Iterator
 class _Labelled:
     """The scan as it was labelled, and thinned likewise."""
 
+    xyz: NDArray[np.floating]
     labels: Labels
     thin: Thin
     thinned: Labels
@@ -226,7 +236,7 @@ def _measured(
         NoVaultError: not one is.
     """
     placed, frame = found.placed, found.placed.pose.frame()
-    thin, thinned = scan.thin, scan.thinned
+    thin = scan.thin
     if not mine.any():
         raise NoVaultError("no vault found: no point lies on the best model; scan a whole bay, or crop to one")
     on = thin.points[mine] @ frame[:, :3].T + frame[:, 3]
@@ -240,10 +250,14 @@ def _measured(
     for name, (_, std) in found.shared.items():
         told[name] = replace(told[name], std=std, flags=("row",))
     deviation = scan.labels.deviation[points]
+    some = slice(None, None, max(1, len(points) // LOOKED_AT))
+    stone = as_built(placed.vault, on, scan.xyz[points[some]] @ frame[:, :3].T + frame[:, 3], found.tolerance, rng)
     components = []
     for k, name in enumerate(placed.vault.components, 1):
         d = deviation[component == k]
-        components.append(Component(k, name, len(d), summarise(d) if len(d) else None, sight.of(k)))
+        rest = stone.distances[component[some][stone.which] == k] if stone is not None else d[:0]
+        known = (summarise(part) if len(part) else None for part in (d, rest))
+        components.append(Component(k, name, len(d), next(known), sight.of(k), next(known)))
     ranking = confidence(found.hypotheses, found.misfit.chance)
     return FittedVault(
         vault=placed.vault,
@@ -255,7 +269,8 @@ def _measured(
         deviation=summarise(deviation),
         coverage=sight.whole,
         converged=solution.converged,
-        as_built=_as_built(placed, on, thinned.deviation[mine].astype(np.float64), rng),
+        as_built=None if stone is None else summarise(stone.distances),
+        surface=None if stone is None else stone.surface,
         covariance=widened(spread, placed, found.choices),
         tolerance=found.tolerance,
         odds=odds(found.choices),
@@ -264,20 +279,15 @@ def _measured(
     )
 
 
+def _read(found: Found, demands: Demands, surface: Displacement | None, *, several: bool) -> Deformation | None:
+    """How a vault seems to have moved; several: whether the scan is known to be of more than one station."""
+    registration = REGISTRATION if several else 0.0
+    return read_deformation(found.refined, found.choices, demands, surface, registration=registration)
+
+
 def _open_ends(site: Site, placed: Placed) -> tuple[float, float]:
     """How unsure the plan's half extents are along the vault's x and y [m]: sparse scans tell little without walls."""
     if site.spacing < SPARSE:
         return 0.0, 0.0
     x, y = (0.0 if both.all() else site.spacing for both in site.walled)
     return (y, x) if round((placed.pose.yaw - site.yaw) / (pi / 2)) % 2 else (x, y)
-
-
-def _as_built(placed: Placed, on: Array, distances: Array, rng: np.random.Generator) -> Deviation | None:
-    """How far the points (n, 3), in the vault's frame, are from the as-built surface; None if they are too few."""
-    order = rng.permutation(len(on))[:AS_BUILT]
-    fit, held = order[::2], order[1::2]
-    if len(held) < 100:
-        return None
-    normals = placed.vault.evaluate(on[order]).normal
-    field_ = displacement(on[fit], normals[::2], distances[fit])
-    return summarise(distances[held] - np.einsum("nc,nc->n", field_(on[held]), normals[1::2]))

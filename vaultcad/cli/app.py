@@ -33,8 +33,11 @@ COMMANDS = {
     "export": "Write the model of a fit again, after an edit or with another thickness.",
     "nurbs": "Model fitted vaults by free surfaces: STEP, IFC, GLB, OBJ, numbers.",
     "drawings": "Draw the model of a fit to scale: sections, plans, dimensions as DXF, PDF, SVG.",
+    "sections": "Cut a fitted scan: profiles, their arches and how they were set out.",
+    "unroll": "Lay the intrados of a fit flat: maps in true lengths; bring back what was drawn on them.",
     "segment": "Label the planes, spheres, cylinders and cones of a scan.",
     "compare": "Judge the labels of a cloud by a truth.",
+    "compare-scans": "Say what has changed between two scans of one vault, with limits.",
     "ideal": "Points of an ideal vault, with normals and labels.",
     "scan": "Scan a vault in a room virtually; the truth goes beside it.",
     "families": "List the families of vaults and their parameters.",
@@ -54,7 +57,7 @@ class Commands(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The real command of the first argument, with its name and the arguments left."""
         name, _, rest = super().resolve_command(ctx, args)
-        return name, import_module(f"vaultcad.cli.{name}").command(), rest
+        return name, import_module(f"vaultcad.cli.{str(name).replace('-', '_')}").command(), rest
 
 
 # Plain help here: the panels of rich, which the commands have, take longer to import than all the rest.

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vaultcad.cli.errors import InputError
 from vaultcad.cli.options import Bounds, number_info, single
-from vaultcad.cli.outputs import check_files
+from vaultcad.cli.outputs import check_result
 
 if TYPE_CHECKING:
     from vaultcad.nurbs.route import FreeRoute
@@ -42,11 +41,9 @@ def nurbs(
     B-spline surfaces run through the points of each component, without the shape of a family, and meet where they
     cross. The model of the fit gives what is a component's and the directions of its net.
     """
-    if out.exists() and result.exists() and out.samefile(result):
-        raise InputError(f"{out}: is the result that is read; name another folder with -o")
     from vaultcad.export.nurbs_files import NURBS_WRITERS, write_nurbs
 
-    check_files(out, NURBS_WRITERS, force=force)
+    check_result(out, [*NURBS_WRITERS], inputs=[result], force=force)
     from vaultcad.labelled_scan import read_labelled_scan
     from vaultcad.nurbs.route import free_route
 

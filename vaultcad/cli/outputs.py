@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from vaultcad.cli.errors import InputError
@@ -42,23 +42,19 @@ def check_folder(
     from vaultcad.export.bundle import REVIEW, WRITERS
     from vaultcad.labelled_scan import SEGMENTS
 
-    names = [*WRITERS, SEGMENTS, *([REVIEW] if review else []), *more]
-    for path in inputs:
-        if any((out / name).exists() and path.exists() and path.samefile(out / name) for name in names):
-            raise InputError(f"{path}: would be replaced by the result; name another folder than {out}")
-    check_files(out, names, force=force)
+    check_result(out, [*WRITERS, SEGMENTS, *([REVIEW] if review else []), *more], inputs=inputs, force=force)
 
 
-def check_files(out: Path, names: Iterable[str], *, force: bool = False) -> None:
-    """Whether a result of files with these names can be put into that folder.
-
-    Raises:
-        ExportError: as `check_folder`.
-        InputError: there is no place for it.
-    """
+def check_result(out: Path, names: Sequence[str], *, inputs: Iterable[Path] = (), force: bool = False) -> None:
+    """Whether a result of files with these names can be put into that folder; raises as `check_folder` does."""
     from vaultcad.export.folder import check_target
 
-    check_target(out, [*names], force=force)
+    for path in inputs:
+        if path.is_dir() and out.exists() and path.samefile(out):
+            raise InputError(f"{path}: would be replaced by the result; name another folder than {out}")
+        if any((out / name).exists() and path.exists() and path.samefile(out / name) for name in names):
+            raise InputError(f"{path}: would be replaced by the result; name another folder than {out}")
+    check_target(out, names, force=force)
     real = Path(os.path.realpath(out))
     _check_writable(out, next(folder for folder in real.parents if folder.exists()))
 

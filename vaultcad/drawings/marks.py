@@ -97,12 +97,16 @@ Mark = Path | Hatch | Dimension | Word | Cross
 
 @dataclass
 class View:
-    """One picture of a sheet: marks, and the box (2,), (2,) [m] of what is drawn, dimensions and words left out."""
+    """One picture of a sheet: marks, and the box (2,), (2,) [m] of what is drawn, dimensions and words left out.
+
+    says: what stands in smaller letters under its title.
+    """
 
     title: str
     low: Floats
     high: Floats
     marks: list[Mark] = field(default_factory=list)
+    says: str = ""
 
     @property
     def size(self) -> tuple[float, float]:
@@ -111,10 +115,10 @@ class View:
         return width, height
 
 
-def view_of(title: str, marks: Sequence[Mark]) -> View:
+def view_of(title: str, marks: Sequence[Mark], says: str = "") -> View:
     """A view with the box of its lines and its stone."""
     reach = np.concatenate([*_rows(marks)])
-    return View(title, reach.min(axis=0), reach.max(axis=0), list(marks))
+    return View(title, reach.min(axis=0), reach.max(axis=0), list(marks), says)
 
 
 def _rows(marks: Iterable[Mark]) -> Iterable[Floats]:

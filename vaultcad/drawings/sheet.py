@@ -17,8 +17,8 @@ Floats = NDArray[np.float64]
 PAPERS = {"A4": (297.0, 210.0), "A3": (420.0, 297.0), "A2": (594.0, 420.0), "A1": (841.0, 594.0), "A0": (1189.0, 841.0)}
 SCALES = (10, 20, 25, 50, 100, 200, 500)
 EDGE = 10.0  # mm from the edge of the paper to the frame
-LEFT, BETWEEN, ABOVE = 24.0, 36.0, 22.0  # mm left of views, between them and above them, for levels and dimensions
-UNDER = 40.0  # mm below a view, for dimensions and its title
+LEFT, BETWEEN, ABOVE = 22.0, 40.0, 8.0  # mm left of views, between them and above them, for levels and dimensions
+UNDER = 36.0  # mm below a view, for dimensions and its title
 BLOCK = (150.0, 56.0)  # mm, of the title block in the lower right corner
 
 
@@ -63,15 +63,15 @@ class Wish:
 def lay_out(
     name: str,
     title: str,
-    views: Callable[[int], Sequence[Sequence[View]]],
+    views: Callable[[int], Sequence[View]],
     fields: Sequence[tuple[str, str]],
     wish: Wish,
     north: float | None = None,
 ) -> Sheet:
     """Views in rows from above, as large as a paper lets them be; the title block stands in the lower right corner.
 
-    views: by the scale, as dimensions are as far off on any paper. Without a wish the paper is A3 and the scale the
-    largest usual one that fits, or else a larger paper is taken.
+    views: by the scale, as dimensions are as far off on any paper; the last is the plan, which begins the second row.
+    Without a wish the paper is A3 and the scale the largest usual one that fits, or else a larger paper is taken.
 
     Raises:
         DrawingError: at that scale they do not fit on that paper, or on any.
@@ -81,46 +81,45 @@ def lay_out(
     drawn = cache(views)
     for paper in papers:
         for scale in scales:
-            placed = _placed(drawn(scale), scale, PAPERS[paper])
-            if placed is not None:
-                return Sheet(name, title, PAPERS[paper], scale, placed, tuple(fields), north)
+            for rows in _rows(drawn(scale)):
+                placed = tuple(_stood(rows, scale, PAPERS[paper]))
+                if _fits(placed, scale, PAPERS[paper]):
+                    return Sheet(name, title, PAPERS[paper], scale, placed, tuple(fields), north)
     tried = f"{' or '.join(papers)} at 1:{scales[-1]}"
     raise DrawingError(f"{title}: does not fit on {tried}; ask for a smaller scale, or a larger paper")
 
 
-def _placed(rows: Sequence[Sequence[View]], scale: int, paper: tuple[float, float]) -> tuple[PlacedView, ...] | None:
-    """Where views stand on a paper [mm], rows under one another, their columns in line; None if they do not fit."""
-    wide = [
-        max((_mm(row[k].size[0], scale) for row in rows if k < len(row)), default=0.0)
-        for k in range(max(map(len, rows)))
-    ]
-    tall = [max(_mm(view.size[1], scale) for view in row) for row in rows]
-    width = _across(wide)
-    height = sum(tall) + ABOVE + UNDER * len(tall)
-    room_x, room_y = paper[0] - 2 * EDGE, paper[1] - 2 * EDGE
-    last = _across(wide[: len(rows[-1])])
-    beside = last + BLOCK[0] <= room_x and (len(rows) == 1 or BLOCK[1] <= tall[-1] + UNDER)
-    if width > room_x or height + (0 if beside else BLOCK[1]) > room_y:
-        return None
-    return tuple(_stood(rows, wide, tall, scale, paper))
+def _rows(views: Sequence[View]) -> Iterator[list[list[View]]]:
+    """Ways to put views into rows, those with the longest rows first; the plan stands under the first section."""
+    *sections, plan = views
+    for long in range(max(len(sections), 1), 0, -1):
+        order = [*sections[:long], plan, *sections[long:]]
+        yield [order[k : k + long] for k in range(0, len(order), long)]
 
 
-def _stood(
-    rows: Sequence[Sequence[View]], wide: Sequence[float], tall: Sequence[float], scale: int, paper: tuple[float, float]
-) -> Iterator[PlacedView]:
-    y = paper[1] - EDGE - ABOVE
-    for row, high in zip(rows, tall, strict=True):
-        y -= high
+def _stood(rows: Sequence[Sequence[View]], scale: int, paper: tuple[float, float]) -> Iterator[PlacedView]:
+    """Where views stand on a paper [mm]: rows under one another, their columns in line, at their tops in line."""
+    columns = max(map(len, rows))
+    wide = [max(_mm(row[k].size[0], scale) for row in rows if k < len(row)) for k in range(columns)]
+    top = paper[1] - EDGE - ABOVE
+    for row in rows:
         x = EDGE + LEFT
         for view, width in zip(row, wide, strict=False):
-            yield PlacedView(view, (x + (width - _mm(view.size[0], scale)) / 2, y))
+            across, up = (_mm(size, scale) for size in view.size)
+            yield PlacedView(view, (x + (width - across) / 2, top - up))
             x += width + BETWEEN
-        y -= UNDER
+        top -= max(_mm(view.size[1], scale) for view in row) + UNDER + ABOVE
 
 
-def _across(wide: Sequence[float]) -> float:
-    """What views beside one another take of the width [mm]."""
-    return LEFT + sum(wide) + BETWEEN * len(wide)
+def _fits(placed: Sequence[PlacedView], scale: int, paper: tuple[float, float]) -> bool:
+    """Whether all that belongs to views is within the frame and clear of the title block."""
+    block = (paper[0] - EDGE - BLOCK[0], EDGE + BLOCK[1])
+    for one in placed:
+        (x, y), (across, _) = one.at, (_mm(size, scale) for size in one.view.size)
+        right, foot = x + across + BETWEEN - LEFT, y - UNDER
+        if right > paper[0] - EDGE or foot < EDGE or (right > block[0] and foot < block[1]):
+            return False
+    return True
 
 
 def _mm(length: float, scale: int) -> float:

@@ -28,6 +28,8 @@ def title_block(sheet: Sheet, unit: float = 1.0) -> View:
         x, y = placed.at
         across = 1000.0 * placed.view.size[0] / sheet.scale
         marks.append(Word("TEXT", (x + across / 2, y - TITLE), f"{placed.view.title}   1:{sheet.scale}", 3.0))
+        if placed.view.says:
+            marks.append(Word("TEXT", (x + across / 2, y - TITLE - 4.5), placed.view.says, 2.0))
     marks += _block(sheet, width - EDGE - BLOCK[0], EDGE)
     return View("", np.zeros(2), unit * np.array(sheet.paper), [_grown(mark, unit) for mark in marks])
 

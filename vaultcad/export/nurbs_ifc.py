@@ -63,11 +63,13 @@ def write_nurbs_ifc(route: FreeRoute, path: Path) -> None:
                 Name=name,
                 ObjectType=region.name.split("_")[0],
                 ObjectPlacement=author.placed(place),
-                Representation=author.body(
-                    net.points.reshape(-1, 3)[used],
-                    where.reshape(-1, 3),
-                    colour(region.component),
-                    closed=False,
+                Representation=author.shape(
+                    author.body(
+                        net.points.reshape(-1, 3)[used],
+                        where.reshape(-1, 3),
+                        colour(region.component),
+                        closed=False,
+                    )
                 ),
                 Tag=str(region.component),
                 PredefinedType="CEILING",

@@ -22,9 +22,12 @@ from vaultcad.export.drawing import deviations, plan, section
 from vaultcad.export.page import drawn, html_table, metres, percent, std_of, value_of
 from vaultcad.export.palette import colour
 from vaultcad.export.report_building import building_page
+from vaultcad.export.report_deformation import deformation_section
 from vaultcad.export.report_json import in_shown_unit, plain
+from vaultcad.export.report_routes import routes_table
 from vaultcad.export.report_text import FILES, STYLE, TERMS
 from vaultcad.export.seen import Seen, seen
+from vaultcad.export.unrolled_map import unrolled_map
 from vaultcad.export.viewer.embed import viewer_section, viewer_style
 from vaultcad.measure.building import building_of
 from vaultcad.model import FLAGS, Component, Deviation, Estimate, FittedVault, Model
@@ -88,6 +91,7 @@ def _vault(one: Seen, model: Model, number: int, head: str, view: str) -> str:
         f'<div class="figures">{figures}</div>'
         f"{drawn([plan(one), *(section(one, plane) for plane in PLANES)])}{view}"
         f"<section><h2>Deviation</h2>{_deviation(one)}</section>"
+        f"{deformation_section(fitted)}"
         f"<section><h2>Sizes and parameters</h2>{_parameters(fitted, model.origin)}</section>"
         f"<section><h2>Components</h2>{_components(fitted.components)}</section>"
     )
@@ -109,20 +113,13 @@ def _summary(fitted: FittedVault) -> str:
 
 
 def _deviation(one: Seen) -> str:
-    fitted = one.fitted
-    rows = [("ideal model", fitted.deviation)]
-    if fitted.as_built is not None:
-        rows.append(("as-built surface", fitted.as_built))
-    limits = sorted(fitted.deviation.within)
-    head = ["distance to the", "mean", "RMS", "95 %", "max", "LOA", *(f"within {100 * v:g} cm" for v in limits)]
-    cells = [[escape(name), *_deviation_cells(d), *(_share(d.within.get(v, 0.0)) for v in limits)] for name, d in rows]
     shown = ""
     if one.on.any():
         caption = f"Distances of the vault's points to the ideal model: {CONVENTION}"
         chart = histogram(one.deviation[one.on], one.limit)
         shown = f"<figure>{chart}<figcaption>{escape(caption)}</figcaption></figure>"
-        shown += f"<div class='map'>{drawn([deviations(one)])}</div>"
-    return f"{html_table(head, cells, numbers=slice(1, 5), long=(0,))}<p></p>{shown}"
+        shown += f"<div class='map'>{drawn([deviations(one), unrolled_map(one)])}</div>"
+    return f"{routes_table(one.fitted)}<p></p>{shown}"
 
 
 def _parameters(fitted: FittedVault, origin: NDArray[np.float64]) -> str:
@@ -233,7 +230,3 @@ def _list(values: Mapping[str, Any]) -> str:
 
 def _plainly(value: Any) -> str:
     return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
-
-
-def _share(value: float) -> str:
-    return f'<span class="bar" style="width:{3.2 * value:.2f}em"></span> {percent(value)}'

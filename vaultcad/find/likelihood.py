@@ -68,7 +68,7 @@ class Field:
         scale = float(np.clip(4 * refined.scatter, NARROWEST, WIDEST))
         residuals = placed.distance(evidence.points)
         weights = evidence.weights / (1 + (residuals / WIDEST) ** 2) ** 2
-        blocks = Partition.of(placed, evidence.points, weights * ~_near_edges(placed, evidence.points))
+        blocks = Partition.of(placed, evidence.points, weights * ~near_edges(placed, evidence.points))
         mean = blocks.means(residuals[:, None])[:, 0]
         filled = blocks.weight > 0
         usable = filled & (np.abs(mean) < OUTLIER * scatter_of(mean[filled]))
@@ -112,37 +112,13 @@ class Field:
             name: (here[name] + float(mean[k]), sqrt(max(float(variance[k]), 0.0))) for k, name in enumerate(slopes)
         }
 
-    def _secants(self, solution: Solution) -> Array:
-        """Derivatives (n, k) of the distances, those by the rise of arches over wide steps that leave the crown there.
-
-        A segment that is all but a semicircle can lose its foot to the wall without a change of first order. Below a
-        raised arch, as a dome's, there is more of the vault: a step that leaves the crown would move all that.
-        """
-        out, vault, pose = solution.jacobian.copy(), solution.placed.vault, solution.placed.pose
-        values, parameters = vault.values(), {p.name: p for p in vault.parameters()}
-        for k, name in enumerate(solution.names[len(POSE) :], len(POSE)):
-            if arch_of(vault, name) in {None, *vault.raised}:
-                continue
-            low, high = parameters[name].range.low, parameters[name].range.high
-            ends = [min(max(values[name] + side * RATIO_STEP, low), high) for side in (-1, 1)]
-            vaults = [solution.free.settled(vault, {name: end}) for end in ends]
-            rises = [end.derived_values()["rise"] - vault.derived_values()["rise"] for end in vaults]
-            if rises[0] == rises[1]:
-                continue
-            less, more = (
-                Placed(end, replace(pose, z=pose.z - rise)).distance(self.evidence.points)
-                for end, rise in zip(vaults, rises, strict=True)
-            )
-            out[:, k] = (more - less + (rises[1] - rises[0]) * solution.jacobian[:, 2]) / (ends[1] - ends[0])
-        return out
-
     def _marginal(self, solution: Solution) -> tuple[Array, Array, Array]:
         """Log likelihoods (h,), means (h, u) of the unknowns and inverses (h, u, u) of their covariances.
 
         h runs over lengths, strengths and roughnesses of the field; means are from where the solution is.
         """
         residual = self.blocks.means(solution.residuals[:, None])[self.usable, 0]
-        jacobian = self.blocks.means(self._secants(solution))[self.usable]
+        jacobian = self.blocks.means(secants(solution, self.evidence.points))[self.usable]
         precision, mean = beforehand(solution)
         strengths, roughnesses = STRENGTHS[COARSE] ** 2, ROUGHNESSES[COARSE] ** 2
         found = []
@@ -162,6 +138,35 @@ class Field:
         return likelihoods, shifts, inverses
 
 
+def secants(solution: Solution, points: Array) -> Array:
+    """Derivatives (n, k) of the distances of the points (n, 3) [m] of a solution; by the rise, the crown stays there.
+
+    These are taken over wide steps, where the springing may move.
+
+    A segment that is all but a semicircle can lose its foot to the wall without a change of first order. Below a
+    raised arch, as a dome's, there is more of the vault: a step that leaves the crown would move all that.
+    """
+    out, vault, pose = solution.jacobian.copy(), solution.placed.vault, solution.placed.pose
+    values, parameters = vault.values(), {p.name: p for p in vault.parameters()}
+    for k, name in enumerate(solution.names[len(POSE) :], len(POSE)):
+        if arch_of(vault, name) in {None, *vault.raised}:
+            continue
+        low, high = parameters[name].range.low, parameters[name].range.high
+        ends = [min(max(values[name] + side * RATIO_STEP, low), high) for side in (-1, 1)]
+        vaults = [solution.free.settled(vault, {name: end}) for end in ends]
+        rises = [end.derived_values()["rise"] - vault.derived_values()["rise"] for end in vaults]
+        if rises[0] == rises[1]:
+            continue
+        if "z" in solution.free.pose:  # the springing stays, and the crown moves
+            rises = [0.0, 0.0]
+        less, more = (
+            Placed(end, replace(pose, z=pose.z - rise)).distance(points)
+            for end, rise in zip(vaults, rises, strict=True)
+        )
+        out[:, k] = (more - less + (rises[1] - rises[0]) * solution.jacobian[:, 2]) / (ends[1] - ends[0])
+    return out
+
+
 def _moments(likelihood: Array, means: Array, variances: Array) -> tuple[Array, Array]:
     """Means (s,) and variances (s,) over all fields, from those (h, s) with each, of log likelihoods (h,)."""
     share = np.exp((likelihood - likelihood.max()) / DOUBT)
@@ -178,10 +183,12 @@ def _log_within(ends: Array, mean: float, variance: float) -> float:
     return log(max(float(below[1] - below[0]), NEVER))
 
 
-def _near_edges(placed: Placed, points: Array) -> NDArray[np.bool_]:
-    """Which points (n, 3) lie so near to an edge, of two components or of a wall, that they may be of either."""
-    plan = placed.vault.plan
-    reach = min(EDGE, EDGE_SHARE * plan.width)
+def near_edges(placed: Placed, points: Array, reach: float = EDGE) -> NDArray[np.bool_]:
+    """Which points (n, 3) lie so near to an edge, of two components or of a wall, that they may be of either.
+
+    reach: how near [m], but at most a share of the plan's shorter side.
+    """
+    reach = min(reach, EDGE_SHARE * placed.vault.plan.width)
     frame = placed.pose.frame()
     local = points @ frame[:, :3].T + frame[:, 3]
     surface = placed.vault.evaluate(local, walls=True)

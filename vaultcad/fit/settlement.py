@@ -54,12 +54,12 @@ class Partition:
     normal: Array
 
     @classmethod
-    def of(cls, placed: Placed, points: Array, weights: Array) -> Partition:
-        """Of points (n, 3) [m] with weights (n,) beside a vault."""
+    def of(cls, placed: Placed, points: Array, weights: Array, most: int = MOST_BLOCKS) -> Partition:
+        """Of points (n, 3) [m] with weights (n,) beside a vault, in so many blocks at most."""
         frame = placed.pose.frame()
         local = points @ frame[:, :3].T + frame[:, 3]
         surface = placed.vault.evaluate(local, walls=True)
-        block = _blocks(local, faces(surface))
+        block = _blocks(local, faces(surface), most)
         empty = np.empty((0, 3))
         places = cls(block, weights, empty, empty)
         return cls(block, weights, places.means(local), places.means(surface.normal))
@@ -114,15 +114,15 @@ def block_means(solution: Solution, points: Array) -> Blocks:
     return Blocks(parts.weight, residual, parts.means(solution.jacobian), parts.place, parts.normal, usable)
 
 
-def _blocks(local: Array, face: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Number (n,) of the block of each point, blocks being as small as `MOST` of them allow."""
+def _blocks(local: Array, face: NDArray[np.int64], most: int) -> NDArray[np.int64]:
+    """Number (n,) of the block of each point, blocks being as small as so many of them allow."""
     edge = FINEST
     while True:
         cell = np.floor((local - local.min(axis=0, initial=0.0)) / edge).astype(np.int64)
         size = cell.max(axis=0, initial=0) + 1
         key = ((face * size[0] + cell[:, 0]) * size[1] + cell[:, 1]) * size[2] + cell[:, 2]
         found, block = np.unique(key, return_inverse=True)
-        if len(found) <= MOST_BLOCKS:
+        if len(found) <= most:
             return np.asarray(block.ravel(), np.int64)
         edge *= COARSER
 

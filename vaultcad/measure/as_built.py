@@ -6,98 +6,206 @@ It is the same for all components, so that edges they share stay shared.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+
+from families import Vault
+from vaultcad.cubic_grid import REACH, basis
+from vaultcad.displacement import RESOLUTION, Displacement
+from vaultcad.measure.routes import as_built_distance
 
 Array = NDArray[np.float64]
 
 KNOTS = 0.9  # m, least distance of the knots: a settlement is smoother, a stone or a joint is not the vault's shape
 MOST_SPANS = 9  # spans of knots along an axis at the most
-SMOOTH = 0.02  # weight of the second differences of the coefficients against one point a knot
+ROUGHNESS = (0.02, 0.005, 0.001)  # weights of the squared second differences against one point a coefficient
+WITHHELD = 5  # every so many points choose among these weights, and then join the others
+BETTER = 0.98  # of the error with a rougher field, that of the smoother one above it, from which on it is taken
+REST = 1e-2  # weight of the squared coefficients against that: what no point tells of, as motion along it, is none
+CLUTTER = 4.685  # scatters from the surface at which a point no longer counts (Tukey's biweight, 95 % efficient)
+SQUARE = 0.25  # [m], side of the cubes of points that make the surface or measure it
+MAKING, MEASURING = 10_000, 100_000  # points at the most
+FEWEST = 100  # points from which on there is a surface
+ROUNDS = 2  # of weighing the points by how far they are
 
 
 @dataclass(frozen=True)
-class Displacement:
-    """Vector field u [m] as a tensor product of uniform cubic B-splines (de Boor 1978).
+class AsBuilt:
+    """The surface of the stone, and how far points of the scan are from it that had no part in it.
 
-    low: (3,) corner of the first span [m]. step: (3,) of the knots [m]. coefficients: (nx, ny, nz, 3) [m].
+    which: (m,) of the points, by their index. distances: (m,) of those [m], positive into the stone.
     """
 
-    low: Array
-    step: Array
-    coefficients: Array
+    surface: Displacement
+    which: NDArray[np.int64]
+    distances: Array
 
-    def __call__(self, points: Array) -> Array:
-        """Displacements (n, 3) [m] of points (n, 3); constant beyond the box."""
-        index, weight = _basis(points, self.low, self.step, self.coefficients.shape[:3])
-        flat = self.coefficients.reshape(-1, 3)
-        out: Array = np.einsum("nk,nkc->nc", weight, flat[index])
-        return out
+
+def as_built(
+    vault: Vault, thinned: Array, points: NDArray[np.floating], tolerance: float, rng: np.random.Generator
+) -> AsBuilt | None:
+    """The as-built surface of a vault from its points, thinned (n, 3) and all (m, 3), in its own frame [m].
+
+    Space is parted into cubes like a chessboard: thinned points in the black ones make the surface, others in the white
+    ones measure it. Points farther than `tolerance` [m] from the ideal vault, as on the faces of an arch, are not its.
+    None where they are too few.
+    """
+    black = rng.permutation(np.flatnonzero(_is_black(thinned)))[:MAKING]
+    white = np.sort(rng.permutation(np.flatnonzero(~_is_black(points)))[:MEASURING])
+    here, there = vault.evaluate(thinned[black]), vault.evaluate(points[white])
+    near, white = np.abs(here.distance) <= tolerance, white[np.abs(there.distance) <= tolerance]
+    if near.sum() < FEWEST or len(white) < FEWEST:
+        return None
+    distances, normals = here.distance[near], here.normal[near]
+    surface = displacement(thinned[black[near]] - distances[:, None] * normals, normals, distances)
+    return AsBuilt(surface, white, as_built_distance(vault, surface, points[white]))
+
+
+def _is_black(points: NDArray[np.floating]) -> NDArray[np.bool_]:
+    black: NDArray[np.bool_] = np.floor(points / SQUARE).astype(np.int64).sum(axis=1) % 2 == 0
+    return black
 
 
 def displacement(points: Array, normals: Array, distances: Array) -> Displacement:
-    """The field whose part along the model's normals explains the signed distances (n,) of points (n, 3) [m].
+    """The field u with n·u(p) = d at points p (n, 3) on the ideal vault, their normals, and distances (n,) there [m].
 
     Penalised least squares (P-splines, Eilers and Marx 1996): where the scan says nothing the field runs on straight.
+    How smooth it is, points that are withheld choose; those that are clutter do not count.
 
     Raises:
         ValueError: there are no points.
     """
     if len(points) == 0:
         raise ValueError("no points to take a displacement from")
-    low, high = points.min(axis=0), points.max(axis=0)
-    spans = np.clip(np.floor((high - low) / KNOTS), 1, MOST_SPANS).astype(int)
-    step = np.maximum((high - low) / spans, 1e-6)
-    shape = tuple((spans + 3).tolist())
-    index, weight = _basis(points, low, step, shape)
-    count = int(np.prod(shape))
-    normal_matrix, right = np.zeros((3 * count, 3 * count)), np.zeros(3 * count)
-    _accumulate(index, weight, normals, distances, count, normal_matrix, right)
-    density = len(points) / count
-    penalty = _roughness(shape) * SMOOTH * density + np.eye(count) * 1e-4 * density
-    for c in range(3):
-        block = slice(c * count, (c + 1) * count)
-        normal_matrix[block, block] += penalty
-    from scipy.linalg import solve
-
-    flat = solve(normal_matrix, right, assume_a="pos")
-    return Displacement(low, step, flat.reshape(3, *shape).transpose(1, 2, 3, 0))
-
-
-def _basis(points: Array, low: Array, step: Array, shape: tuple[int, ...]) -> tuple[NDArray[np.int64], Array]:
-    """Of each point the 64 coefficients (n, 64) that reach it, and their weights (n, 64)."""
-    t = (points - low) / step
-    cell = np.clip(np.floor(t).astype(np.int64), 0, np.array(shape) - 4)
-    f = np.clip(t - cell, 0.0, 1.0)
-    w = np.stack([(1 - f) ** 3, 3 * f**3 - 6 * f**2 + 4, -3 * f**3 + 3 * f**2 + 3 * f + 1, f**3], axis=-1) / 6
-    k = np.arange(4)
-    x, y, z = (cell[:, axis, None] + k for axis in range(3))
-    index = (x[:, :, None, None] * shape[1] + y[:, None, :, None]) * shape[2] + z[:, None, None, :]
-    weight = w[:, 0, :, None, None] * w[:, 1, None, :, None] * w[:, 2, None, None, :]
-    n = len(points)
-    return index.reshape(n, 64), weight.reshape(n, 64)
+    grid = _Grid.over(points)
+    rows = grid.rows(points, normals)
+    chosen = np.arange(len(points)) % WITHHELD == 0 if len(points) > WITHHELD else np.zeros(len(points), bool)
+    weights, roughness = np.ones(len(points)), ROUGHNESS[0]
+    if chosen.any():
+        told = grid.equations(rows, distances, np.where(chosen, 0.0, weights))
+        errors = []
+        for trial in ROUGHNESS:
+            off = np.abs(distances - rows.times(grid.solved(told, trial)))[chosen]
+            errors.append(float(np.median(off)))
+        roughness = next(r for r, error in zip(ROUGHNESS, errors, strict=True) if error * BETTER <= min(errors))
+    for _ in range(ROUNDS):
+        off = distances - rows.times(grid.solved(grid.equations(rows, distances, weights), roughness))
+        scatter = 1.4826 * float(np.median(np.abs(off))) + RESOLUTION
+        weights = np.square(np.maximum(1 - np.square(off / (CLUTTER * scatter)), 0.0))
+    found = grid.solved(grid.equations(rows, distances, weights), roughness)
+    return grid.field(found)
 
 
-def _accumulate(
-    index: NDArray[np.int64], weight: Array, normals: Array, d: Array, count: int, matrix: Array, right: Array
-) -> None:
-    """Adds the normal equations of n·u(p) = d over all points, those of a cell, which share their columns, together."""
-    _, cell = np.unique(index[:, 0], return_inverse=True)
-    order = np.argsort(cell, kind="stable")
-    for mine in np.split(order, np.cumsum(np.bincount(cell))[:-1]):
-        columns = np.concatenate([index[mine[0]] + c * count for c in range(3)])
-        rows = np.concatenate([weight[mine] * normals[mine, c, None] for c in range(3)], axis=1)
-        matrix[np.ix_(columns, columns)] += rows.T @ rows
-        right[columns] += rows.T @ d[mine]
+@dataclass(frozen=True)
+class _Rows:
+    """Of each point the coefficients (n, 64) that its displacement hangs on, weighted (n, 64), and normals (n, 3)."""
+
+    index: NDArray[np.int64]
+    weight: Array
+    normals: Array
+
+    def times(self, found: Array) -> Array:
+        """n·u of all points for coefficients (count, 3)."""
+        along: Array = np.einsum("nk,nkc,nc->n", self.weight, found[self.index], self.normals)
+        return along
 
 
-def _roughness(shape: tuple[int, ...]) -> Array:
-    """Sum over the axes of squared second differences, (count, count)."""
-    eyes = [np.eye(n) for n in shape]
-    second = [np.diff(eye, 2, axis=0) for eye in eyes]
-    total = np.zeros((int(np.prod(shape)),) * 2)
-    for axis in range(3):
-        factors = [second[a].T @ second[a] if a == axis else eyes[a] for a in range(3)]
-        total += np.kron(np.kron(factors[0], factors[1]), factors[2])
-    return total
+@dataclass(frozen=True)
+class _Equations:
+    """Normal equations: lower bands (band + 1, 3 count) and right side (3 count,); points a coefficient."""
+
+    bands: Array
+    right: Array
+    density: float
+
+
+@dataclass(frozen=True)
+class _Grid:
+    """A grid of coefficients, numbered along its shortest axis first, so that equations are narrow bands.
+
+    axes: (3,) of space, by falling number of coefficients. low, step, shape: (3,) along x, y, z.
+    """
+
+    axes: NDArray[np.intp]
+    low: Array
+    step: Array
+    shape: NDArray[np.int64]
+
+    @staticmethod
+    def over(points: Array) -> _Grid:
+        """One coefficient more on each side than there are knots within the box of the points."""
+        low, high = points.min(axis=0), points.max(axis=0)
+        spans = np.clip(np.floor((high - low) / KNOTS), 1, MOST_SPANS).astype(np.int64)
+        # A little wider than the points, so that none is on the outermost knots, past which are no coefficients.
+        step = np.maximum((high - low) / spans, 1e-6) * (1 + 1e-6)
+        return _Grid(np.argsort(-spans, kind="stable"), (low + high) / 2 - (spans / 2 + 1) * step, step, spans + 3)
+
+    @property
+    def count(self) -> int:
+        """Of coefficients."""
+        return int(self.shape.prod())
+
+    @property
+    def band(self) -> int:
+        """How far apart the numbers of unknowns are at most that one point brings together."""
+        _, middle, short = self.shape[self.axes].tolist()
+        return int(3 * (3 * middle * short + 3 * short + 3) + 2)
+
+    def rows(self, points: Array, normals: Array) -> _Rows:
+        """What the displacements along the normals hang on."""
+        low, step = (np.ascontiguousarray(part[self.axes]) for part in (self.low, self.step))
+        a, b, c = self.shape[self.axes].tolist()
+        index, weight = basis(np.ascontiguousarray(points[:, self.axes]), low, step, (a, b, c))
+        return _Rows(index, weight, normals)
+
+    def equations(self, rows: _Rows, distances: Array, weights: Array) -> _Equations:
+        """Normal equations of n·u = d over all points, each with its weight.
+
+        The points between the same knots share their columns and are added together.
+        """
+        bands, right = np.zeros((self.band + 1, 3 * self.count)), np.zeros(3 * self.count)
+        _, cell = np.unique(rows.index[:, 0], return_inverse=True)
+        order = np.argsort(cell, kind="stable")
+        lower, upper = np.tril_indices(3 * REACH)
+        for mine in np.split(order, np.cumsum(np.bincount(cell))[:-1]):
+            columns = (3 * rows.index[mine[0]][:, None] + np.arange(3)).ravel()
+            own = (rows.weight[mine, :, None] * rows.normals[mine, None, :]).reshape(len(mine), -1)
+            weighted = own.T * weights[mine]
+            products = weighted @ own
+            # Numbers rise with the place in the cell, so that these are all at or below the diagonal.
+            bands[columns[lower] - columns[upper], columns[upper]] += products[lower, upper]
+            right[columns] += weighted @ distances[mine]
+        return _Equations(bands, right, float(weights.sum()) / self.count)
+
+    def solved(self, equations: _Equations, roughness: float) -> Array:
+        """Coefficients (count, 3) in the order of the grid."""
+        from scipy.linalg import solveh_banded
+
+        bands = equations.bands.copy()
+        for offset, values in self.penalty:
+            bands[3 * offset] += roughness * equations.density * np.repeat(values, 3)
+        bands[0] += REST * roughness * equations.density
+        found: Array = solveh_banded(bands, equations.right, lower=True, overwrite_ab=True)
+        return found.reshape(-1, 3)
+
+    @cached_property
+    def penalty(self) -> list[tuple[int, Array]]:
+        """Squared second differences along each axis: how many numbers below the diagonal, and what is there."""
+        shape = self.shape[self.axes].tolist()
+        found = []
+        for axis, (count, stride) in enumerate(zip(shape, (shape[1] * shape[2], shape[2], 1), strict=True)):
+            second = np.diff(np.eye(count), 2, axis=0)
+            squares = second.T @ second
+            for k in range(3):
+                along = np.append(np.diag(squares, -k), np.zeros(k))
+                placed = np.broadcast_to(along.reshape([-1 if a == axis else 1 for a in range(3)]), shape)
+                found.append((k * stride, placed.ravel()))
+        return found
+
+    def field(self, coefficients: Array) -> Displacement:
+        """With coefficients (count, 3) in the order of the grid, rounded as files keep them."""
+        kept = np.rint(coefficients / RESOLUTION) * RESOLUTION + 0.0
+        shaped = kept.reshape(*self.shape[self.axes].tolist(), 3)
+        return Displacement(self.low, self.step, shaped.transpose(*np.argsort(self.axes).tolist(), 3))

@@ -13,7 +13,7 @@ from families import Vault
 from vaultcad.scanner import room, truth
 from vaultcad.scanner.places import about
 from vaultcad.scanner.settings import ScannerSettings
-from vaultcad.scanner.settle import draw_settlement
+from vaultcad.scanner.settle import DeclaredSettlement, draw_settlement
 from vaultcad.scanner.shoot import Shots, Target, aim, sweep
 from vaultcad.scanner.waves import draw_waves
 
@@ -58,11 +58,16 @@ def scan(vault: Vault, settings: ScannerSettings | None = None, *, rng: np.rando
     """
     settings = settings or ScannerSettings()
     place, build, settle, surface, pilot, measure, hide = rng.spawn(7)
+    for _ in range(settings.visit):  # the room is the same, the scanner is not
+        place, pilot, measure, hide = rng.spawn(4)
     stations = _draw_stations(vault, settings, place)
     still = room.build(vault, settings, stations, build)
     ideal = still.vertices[np.unique(still.triangles[still.component > 0])]
-    settlement = draw_settlement(ideal, vault.plan, min(FOOTING, settings.wall_height), settings.settlement, settle)
-    target = aim(replace(still, vertices=still.vertices + settlement(still.vertices)), surface)
+    depth = min(FOOTING, settings.wall_height)
+    settlement = draw_settlement(ideal, vault.plan, depth, settings.settlement, settle)
+    declared = DeclaredSettlement.of(settings, vault.plan, float(ideal[:, 2].max()), depth)
+    moved = still.vertices + settlement(still.vertices) + declared(still.vertices)
+    target = aim(replace(still, vertices=moved), surface)
 
     bounds = _bounds(vault, settings)
     step = angular_step(target, stations, settings, bounds, pilot)

@@ -26,6 +26,7 @@ class ScannerSettings(Parametric):
         1_600_000
     )
     stations: Annotated[int, Range(1, 12, "1", "positions of the scanner")] = 2
+    visit: Annotated[int, Range(0, 1000, "1", "0 at first; later visits to the same room set the scanner up anew")] = 0
     station_height: Annotated[float, Range(0.3, 3, "m", "height of the scanner above the floor")] = 1.6
 
     noise: Annotated[float, Range(0, 0.05, "m", "standard deviation of a range at 10 m, surface hit squarely")] = 0.0006
@@ -42,6 +43,11 @@ class ScannerSettings(Parametric):
 
     relief: Annotated[float, Range(0, 0.05, "m", "standard deviation of the relief of plaster and stone")] = 0.0015
     settlement: Annotated[float, Range(0, 0.3, "m", "largest displacement of the vault from its ideal shape")] = 0.03
+    crown_fall: Annotated[float, Range(-0.3, 0.3, "m", "fall of the crown, beside the drawn settlement")] = 0.0
+    spread_x: Annotated[float, Range(-0.3, 0.3, "m", "widening of the span along x at the springing, likewise")] = 0.0
+    spread_y: Annotated[float, Range(-0.3, 0.3, "m", "widening of the span along y at the springing, likewise")] = 0.0
+    one_sided: Annotated[float, Range(-0.3, 0.3, "m", "by which the side at +x sinks against that at -x")] = 0.0
+    twist: Annotated[float, Range(-0.3, 0.3, "m", "by which two opposite corners sink against the others")] = 0.0
     holes: Annotated[float, Range(0, 0.6, "1", "share of the vault's points that patches without points take away")] = (
         0.0
     )

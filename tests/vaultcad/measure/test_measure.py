@@ -5,15 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from families import Barrel, Groin, Sail, Semicircular, Vault
+from families import FAMILIES, Barrel, Groin, Sail, Semicircular, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
 from vaultcad.fit.label import label
 from vaultcad.fit.solve import Placed
-from vaultcad.measure.as_built import displacement
+from vaultcad.measure.as_built import as_built, displacement
 from vaultcad.measure.coverage import look
 from vaultcad.measure.deviation import level_of_accuracy, summarise
+from vaultcad.measure.routes import as_built_distance
 from vaultcad.model import Pose
+from vaultcad.scanner.settle import draw_settlement
 from vaultcad.survey.thinned_scan import survey, thin_scan, turned
 
 HERE = Pose(0.0, 0.0, 0.0, 0.0)
@@ -47,6 +49,7 @@ def test_a_summary_counts_what_it_says() -> None:
     d = summarise(np.array([-0.005, 0.02, 0.04, -0.1]))
     assert (d.mean, d.max) == pytest.approx((0.04125, 0.1))
     assert d.rms == pytest.approx(np.sqrt(np.mean(np.square([0.005, 0.02, 0.04, 0.1]))))
+    assert (d.median, d.signed_mean) == pytest.approx((0.03, -0.01125))
     assert dict(d.within) == {0.01: 0.25, 0.03: 0.5, 0.06: 0.75}
     with pytest.raises(ValueError, match="no points"):
         summarise(np.empty(0))
@@ -68,16 +71,59 @@ def test_coverage_is_the_share_that_was_seen(vault: Vault) -> None:
     assert look(vault, xyz[:0], 0.1, rng).whole == 0.0
 
 
-def test_the_as_built_field_follows_a_smooth_settlement_and_not_the_noise() -> None:
-    vault, rng = Groin(5.0, 5.0), np.random.default_rng(3)
-    sample = vault.sample(6000, rng)
-    normals = vault.evaluate(sample.xyz).normal
-    sunk = -0.03 * np.cos(0.6 * sample.xyz[:, 0]) * np.cos(0.5 * sample.xyz[:, 1])
-    along = sunk * normals[:, 2]
-    noisy = along + 0.003 * rng.standard_normal(len(along))
-    field = displacement(sample.xyz[::2], normals[::2], noisy[::2])
-    predicted = np.einsum("nc,nc->n", field(sample.xyz[1::2]), normals[1::2])
-    assert np.sqrt(np.mean((predicted - along[1::2]) ** 2)) < 0.0015
+def settled(vault: Vault, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 3) of the ideal vault, and where a settlement of 25 mm has brought them."""
+    rng = np.random.default_rng(seed)
+    xyz = vault.sample(12_000, rng).xyz
+    xyz = xyz[(np.abs(xyz[:, :2]) < vault.plan.half - 0.06).all(axis=1)]  # past its ends it is no vault
+    return xyz, xyz + draw_settlement(xyz, vault.plan, 3.0, 0.025, rng)(xyz)
+
+
+@pytest.mark.parametrize("cls", FAMILIES, ids=lambda cls: cls.id)
+def test_the_as_built_surface_follows_the_stone_not_the_clutter_and_bridges_a_hole(cls: type[Vault]) -> None:
+    vault, rng = cls(), np.random.default_rng(7)
+    ideal, stone = settled(vault, 0)
+    noisy = stone + rng.normal(0, 0.003, stone.shape)
+    seen = vault.evaluate(noisy)
+    known = np.abs(seen.distance) < 0.03  # as the points that are labelled
+    centre = ideal[np.linalg.norm(ideal[:, :2] - 0.3 * vault.plan.half, axis=1).argmin()]
+    far = np.linalg.norm(ideal - centre, axis=1)
+    hole = far < np.quantile(far, 0.15)
+    clutter = np.where(rng.random(len(stone)) < 0.03, rng.uniform(0.015, 0.03, len(stone)), seen.distance)
+    foot = noisy - seen.distance[:, None] * seen.normal
+    fit = known & ~hole
+    surface = displacement(foot[fit], seen.normal[fit], clutter[fit])
+    off = np.abs(as_built_distance(vault, surface, stone))
+    assert off[fit].mean() < 0.0015
+    assert np.quantile(off[hole & known], 0.95) < 0.015
+    assert surface.steepness < 0.3
+
+
+def test_distances_to_the_as_built_surface_are_those_that_were_put_there() -> None:
+    vault = Groin(5.0, 4.0)
+    ideal, stone = settled(vault, 3)
+    seen = vault.evaluate(stone)
+    surface = displacement(stone - seen.distance[:, None] * seen.normal, seen.normal, seen.distance)
+    inner = np.abs(ideal[:, :2]).max(axis=1) < 1.5
+    places, normals = ideal[inner], vault.evaluate(ideal[inner]).normal
+    inverse = np.linalg.inv(np.eye(3) + surface.jacobian(places)).swapaxes(1, 2)
+    true = np.einsum("nij,nj->ni", inverse, normals)  # normals of the displaced surface
+    true /= np.linalg.norm(true, axis=1, keepdims=True)
+    for off in (-0.02, 0.0, 0.02):
+        found = as_built_distance(vault, surface, surface.moved(places) + off * true)
+        assert np.quantile(np.abs(found - off), 0.99) < 2e-4  # but where a groin is nearer
+
+
+def test_the_surface_is_measured_on_points_that_did_not_make_it() -> None:
+    vault, rng = Groin(5.0, 4.0), np.random.default_rng(2)
+    _, stone = settled(vault, 1)
+    stone = stone + rng.normal(0, 0.003, stone.shape)
+    found = as_built(vault, stone, stone, 0.03, rng)
+    assert found is not None
+    black = np.floor(stone[found.which] / 0.25).astype(int).sum(axis=1) % 2 == 0
+    assert not black.any()
+    assert 0.0020 < summarise(found.distances).mean < 0.0030  # 2.4 mm is the mean of a noise of 3 mm
+    assert as_built(vault, stone[:150], stone[:150], 0.03, rng) is None
 
 
 def room(span_x: float, span_y: float, yaw: float, rng: np.random.Generator) -> Cloud:

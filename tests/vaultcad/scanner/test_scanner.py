@@ -12,7 +12,7 @@ from families import FAMILIES, Barrel, Groin, Lunette, Mirror, Sail, Vault
 from vaultcad.errors import MissingLibraryError
 from vaultcad.scanner import ScannerSettings, VirtualScan, beams, draw, read_truth, scan, vault_of, write_scan
 from vaultcad.scanner.room import GAP, TOLERANCE, vault_triangles
-from vaultcad.scanner.settle import draw_settlement
+from vaultcad.scanner.settle import DeclaredSettlement, draw_settlement
 from vaultcad.scanner.shoot import FLYING
 from vaultcad.scanner.triangles import box, split
 from vaultcad.scanner.truth import case
@@ -345,3 +345,27 @@ def test_splitting_keeps_area_and_leaves_no_crack() -> None:
     assert (uses == 2).all()
     assert np.linalg.norm(np.diff(fine.vertices[sides], axis=1), axis=-1).max() <= 0.11
     assert areas(fine).sum() == pytest.approx(areas(whole).sum())
+
+
+@EACH
+def test_a_declared_settlement_moves_what_it_names_and_leaves_the_foot(family):
+    vault = family()
+    x, y = vault.plan.half
+    settings = changed(EXACT, crown_fall=0.03, spread_x=0.02, one_sided=0.01)
+    settlement = DeclaredSettlement.of(settings, vault.plan, vault.top, depth=1.5)
+    crown, west, east, foot = settlement(np.array([[0, 0, vault.top], [-x, 0, 0], [x, 0, 0], [x, 0, -1.5]]))
+    assert crown[2] == pytest.approx(-0.03 - 0.005)
+    assert east[0] - west[0] == pytest.approx(0.02)
+    assert west[2] - east[2] == pytest.approx(0.01)
+    assert not foot.any()
+    twisted = DeclaredSettlement.of(changed(EXACT, twist=0.02), vault.plan, vault.top, depth=1.5)
+    corners = twisted(np.array([[x, y, 0], [-x, y, 0]]))
+    assert corners[1, 2] - corners[0, 2] == pytest.approx(0.02)
+
+
+def test_a_later_visit_scans_the_same_room_from_elsewhere():
+    room = changed(EXACT, openings=2, settlement=0.02, relief=0.002)
+    first, again = scanned(Groin(), room), scanned(Groin(), changed(room, visit=1))
+    assert not np.allclose(first.stations, again.stations, atol=0.05)
+    still = scan(Groin(), changed(room, visit=1), rng=np.random.default_rng(3))
+    assert np.array_equal(still.xyz, again.xyz)

@@ -1,0 +1,67 @@
+import numpy as np
+import pytest
+
+from families import FAMILIES
+from vaultcad.change.mechanisms import MECHANISMS, PARTS, Body, shapes
+from vaultcad.change.motion import Places, Trend, Waves, estimated
+from vaultcad.change.places import Sights, azimuth, places, readings, wind
+
+BODY = Body(np.array([2.5, 2.0]), 2.5, 3.0)
+
+
+def test_every_mechanism_is_made_of_parts_that_there_are():
+    assert {part for one in MECHANISMS for part in one.parts} == {*PARTS}
+
+
+def test_no_shape_moves_the_foot_of_a_wall_but_by_tilt_and_twist():
+    foot = np.array([[2.5, 0.3, -3.0], [-1.0, 2.0, -3.0]])
+    fields, parts = shapes(foot, BODY)
+    assert np.abs(fields[:, ~np.isin(parts, ["tilt", "twist"])]).max() < 1e-12
+
+
+def test_shapes_are_of_unit_size():
+    at = np.random.default_rng(1).uniform([-2.5, -2, -3], [2.5, 2, 2.5], (3000, 3))
+    size = np.linalg.norm(shapes(at, BODY)[0], axis=2).max(axis=0)
+    assert (size <= 1 + 1e-9).all()
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.id)
+def test_figures_are_read_on_the_vault_and_rigid_motions_are_no_spread(family):
+    vault = family()
+    wanted = readings(vault, Body(vault.plan.half, vault.top, 2.0), Sights())
+    at = places(wanted)
+    assert {"crown settlement", "spread along x", "spread along y"} <= {one.name for one in wanted}
+    shift = at.sums(at.way @ np.array([[0.01], [0.02], [0.0]]))[:, 0]
+    for one, value in zip(wanted, shift, strict=True):
+        if one.name.startswith(("spread", "crown", "differential", "twist")):
+            assert abs(value) < 1e-12, one.name
+    crown = wanted[0].terms[0][0]
+    assert abs(vault.distance(crown[None])[0]) < 1e-6
+
+
+def test_azimuths_count_clockwise_from_y():
+    assert azimuth(np.array([0.0, 1.0, 0.0]), 0.0) == pytest.approx(0)
+    assert azimuth(np.array([1.0, 0.0, 0.0]), 0.0) == pytest.approx(90)
+    assert azimuth(np.array([1.0, 0.0, 0.0]), np.pi / 2) == pytest.approx(0)
+    assert azimuth(np.array([0.0, 0.0, 1.0]), 0.0) is None
+    assert [wind(b) for b in (0, 90, 181, 350, 315)] == ["N", "E", "S", "N", "NW"]
+
+
+def test_limits_hold_for_motions_that_are_waves():
+    rng = np.random.default_rng(3)
+    place = rng.uniform([-2.5, -2.5, 0], [2.5, 2.5, 1], (150, 3))
+    normal = np.tile([0.0, 0.0, 1.0], (150, 1))
+    spot = np.array([[0.3, 0.2, 0.5]])
+    figures = Places(np.zeros(1, np.int64), spot, np.array([[0.0, 0.0, 1.0]]))
+    whole, length = np.vstack([place, spot]), 2.5
+    cover = np.exp(-0.5 * ((whole[:, None] - whole[None]) ** 2).sum(axis=2) / length**2)
+    factor = np.linalg.cholesky(cover + 1e-9 * np.eye(151))
+    none = Trend(np.zeros((150, 1)), np.ones(1), np.zeros(1), np.zeros((1, 1)))
+    waves = Waves.of(place, normal, figures, 5.0)
+    off = []
+    for _ in range(60):
+        moved = 0.01 * factor @ rng.standard_normal(151)
+        found = estimated(moved[:150] + rng.normal(0, 0.001, 150), none, waves)
+        off.append((found.mean[0] - moved[150]) / found.std[0])
+    assert 0.85 < np.mean(np.abs(off) < 1.96) <= 1
+    assert np.std(off) > 0.5

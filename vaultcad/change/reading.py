@@ -1,0 +1,237 @@
+"""A reading of the deformation of a fitted vault, against three references, and which mechanism it resembles.
+
+What a fit has taken into its parameters is no longer in the deviations. The reference "built" therefore leaves the
+parameters free, as each way in which the vault may have been built has them (`vaultcad.find.choices`), with what
+builders mostly did, its springing level, and its walls, which are where they were at their foot. "fitted" takes the
+model as it is. "as built" takes the smooth surface through the stone, from which only what is local is left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import exp
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vaultcad.change.mechanisms import MECHANISMS, PARTS, Body, shapes
+from vaultcad.change.motion import Estimated, Trend, Waves, estimated, honest, mixed
+from vaultcad.change.places import Sights, movement_of, places, readings
+from vaultcad.deformation import Against, Deformation, Resemblance
+from vaultcad.find.choices import Choice
+from vaultcad.find.likelihood import DOUBT, ENOUGH, near_edges, secants
+from vaultcad.find.practice import beforehand
+from vaultcad.find.refine import WIDEST, Refined
+from vaultcad.fit.freedom import Demands, Freedom
+from vaultcad.fit.settlement import Partition
+from vaultcad.fit.solve import POSE, Placed, Solution
+from vaultcad.fit.uncertainty import slopes_of_distances
+
+Array = NDArray[np.float64]
+
+FARTHEST = 0.06  # m off the model; a block farther off is no stone of this vault
+ROUNDED = 0.1  # m from an edge, where stone is rounded and plastered
+BLOCKS = 400  # of stone at the most
+OUTLYING, LEAST = 5.0, 0.0008  # robust scatters of what the shapes leave of blocks, beyond which one is none; least [m]
+LIKELY, MOST_WAYS = 0.02, 4  # chance of a way of building, below which it does not count, and how many do at most
+ROUGHLY = 5  # of the fields that are weighed, one in so many squared tells mechanisms apart
+CAUTION = (
+    "A scan shows where the stone stands, not how it came there: what looks like a movement may have been built so.",
+    "A settlement of all supports alike, walls that moved bodily, and motion along the surface cannot be seen.",
+    "When it moved, and whether it still moves, only a second scan tells.",
+)
+
+
+@dataclass(frozen=True)
+class _Stone:
+    """Blocks of stone about a vault: deviations (m,) [m] from the fitted one, where they are, and its shapes there."""
+
+    refined: Refined
+    blocks: Partition
+    usable: NDArray[np.bool_]
+    body: Body
+
+    @classmethod
+    def of(cls, refined: Refined) -> _Stone | None:
+        """Of the points that a fit rests on; None if they are too few."""
+        placed, evidence = refined.placed, refined.evidence
+        residuals = placed.distance(evidence.points)
+        weights = evidence.weights / (1 + (residuals / WIDEST) ** 2) ** 2
+        blocks = Partition.of(placed, evidence.points, weights * ~near_edges(placed, evidence.points, ROUNDED), BLOCKS)
+        mean = blocks.means(residuals[:, None])[:, 0]
+        usable = (blocks.weight > 0) & (np.abs(mean) < FARTHEST)
+        if usable.sum() < ENOUGH:
+            return None
+        vault = placed.vault
+        depth = max(float(-blocks.place[usable, 2].min()), 0.1)
+        body = Body(vault.plan.half, max(vault.top, 0.1), depth)
+        return cls(refined, blocks, usable, body)
+
+    def cleaned(self) -> _Stone:
+        """Without blocks that no shape of a mechanism and no other size of the vault explains: furniture, frames."""
+        solution = self.refined.loose
+        rest, known = _way(self, solution)
+        fields, _ = shapes(self.place, self.body)
+        slopes = np.einsum("mkc,mc->mk", fields, self.normal)
+        none = np.empty((0, slopes.shape[1]))
+        whole = Trend.of_shapes(slopes, none).beside(*known)
+        left = rest
+        for _ in range(3):
+            near = np.abs(left) < OUTLYING * max(LEAST, 1.4826 * float(np.median(np.abs(left))))
+            left = rest - whole.slopes @ whole.likeliest(rest, near)
+        usable = self.usable.copy()
+        usable[np.flatnonzero(usable)[~near]] = False
+        return replace(self, usable=usable)
+
+    @property
+    def place(self) -> Array:
+        return self.blocks.place[self.usable]
+
+    @property
+    def normal(self) -> Array:
+        return self.blocks.normal[self.usable]
+
+    def means(self, values: Array) -> Array:
+        """Over the usable blocks, of values (n, k) of the points."""
+        return self.blocks.means(values)[self.usable]
+
+    @property
+    def walls(self) -> Sights:
+        """Blocks of walls."""
+        low = self.place[:, 2] < -0.05
+        return Sights(self.place[low], self.normal[low])
+
+
+def read_deformation(
+    refined: Refined,
+    choices: Sequence[Choice],
+    demands: Demands,
+    surface: Callable[[Array], Array] | None = None,
+    *,
+    registration: float = 0.0,
+) -> Deformation | None:
+    """The reading of a vault; None where too little stone was seen.
+
+    Args:
+        refined: the fit.
+        choices: of how it may have been built, the fit's first; without any only the fit's own.
+        demands: of the fit.
+        surface: displacements (n, 3) [m] of points (n, 3) in the vault's frame, that carry the model onto the stone.
+        registration: standard deviation of the registration of the scan's stations [m], where there are several.
+    """
+    stone = _Stone.of(refined)
+    if stone is None:
+        return None
+    stone = stone.cleaned()
+    vault, yaw = refined.placed.vault, refined.placed.pose.yaw
+    wanted = readings(vault, stone.body, stone.walls)
+    at = places(wanted)
+    fields, parts = shapes(stone.place, stone.body)
+    there, _ = shapes(at.place, stone.body)
+    trend = Trend.of_shapes(
+        np.einsum("mkc,mc->mk", fields, stone.normal), at.sums(np.einsum("pkc,pc->pk", there, at.way))
+    )
+    waves = Waves.of(stone.place, stone.normal, at, vault.plan.width)
+    deviation = stone.means(refined.placed.distance(refined.points)[:, None])[:, 0]
+
+    def told(id: str, reference: str, mean: Array, std: Array) -> Against:
+        figures = zip(wanted, mean, honest(std, registration), strict=True)
+        return Against(id, reference, tuple(movement_of(one, m, s, yaw) for one, m, s in figures))
+
+    fitted = estimated(deviation, trend, waves)
+    ways = _ways(stone, choices, demands)
+    built = [(chance, estimated(rest, trend.beside(*known), waves)) for chance, rest, known in ways]
+    against = [
+        told("built", _built_words(choices), *mixed(built)),
+        told("fitted", "the ideal vault as it was fitted", fitted.mean, fitted.std),
+    ]
+    if surface is not None:
+        left = deviation - np.einsum("mc,mc->m", surface(stone.place), stone.normal)
+        bare = replace(trend, precision=np.full_like(trend.precision, 1e12))
+        local = estimated(left, bare, waves)
+        against.append(told("as_built", "the smooth surface through the stone as it stands", local.mean, local.std))
+    resembles = _resemblances(ways[0], trend, parts, waves)
+    return Deformation(tuple(against), resembles, _verdict(against[0], resembles), CAUTION)
+
+
+_Way = tuple[float, Array, tuple[Array, Array, Array]]
+"""Chance of a way of building, deviations (m,) from it as it fits best, and what is known of its unknowns."""
+
+
+def _ways(stone: _Stone, choices: Sequence[Choice], demands: Demands) -> list[_Way]:
+    """The likely ways in which the vault may have been built."""
+    refined = stone.refined
+    if not choices:
+        return [(1.0, *_way(stone, refined.loose))]
+    found = []
+    for choice in choices[:MOST_WAYS]:
+        if choice.chance >= LIKELY or choice is choices[0]:
+            free = demands.freedom(choice.placed.vault, choice.kept)
+            found.append((choice.chance, *_way(stone, _at_rest(refined, choice.placed, (*POSE, *free.names), free))))
+    return found
+
+
+def _at_rest(refined: Refined, placed: Placed, names: tuple[str, ...], free: Freedom) -> Solution:
+    whole = replace(refined.solution, placed=placed, names=names, free=free, residuals=placed.distance(refined.points))
+    return replace(whole, jacobian=slopes_of_distances(whole, refined.points))
+
+
+def _way(stone: _Stone, solution: Solution) -> tuple[Array, tuple[Array, Array, Array]]:
+    residual = stone.means(solution.residuals[:, None])[:, 0]
+    return residual, (stone.means(secants(solution, stone.refined.points)), *beforehand(solution))
+
+
+def _resemblances(way: _Way, trend: Trend, parts: NDArray[np.str_], waves: Waves) -> tuple[Resemblance, ...]:
+    """How far what moved resembles each mechanism: by how likely each alone makes the deviations."""
+    _, rest, known = way
+    moved = _moved(rest, known, trend)
+    found: list[tuple[Estimated, float]] = []
+    for one in MECHANISMS:
+        mine = np.isin(parts, one.parts)
+        only = Trend(trend.slopes[:, mine], trend.precision[mine], trend.mean[mine], trend.figures[:, mine])
+        found.append((estimated(rest, only.beside(*known), waves, ROUGHLY), _explained(moved, trend.slopes[:, mine])))
+    top = max(one.likelihood for one, _ in found)
+    raw = [exp((one.likelihood - top) / DOUBT) for one, _ in found]
+    rows = [
+        Resemblance(one.name, chance / sum(raw), share, one.says)
+        for one, chance, (_, share) in zip(MECHANISMS, raw, found, strict=True)
+    ]
+    return tuple(sorted(rows, key=lambda row: -row.odds))
+
+
+def _moved(rest: Array, known: tuple[Array, Array, Array], trend: Trend) -> Array:
+    """What blocks have moved by, along their normals (m,) [m], with the unknowns of the vault as they are likeliest."""
+    whole, own = trend.beside(*known), len(known[2])
+    unknown = whole.likeliest(rest, np.ones(len(rest), np.bool_))
+    out: Array = rest - whole.slopes[:, :own] @ unknown[:own]
+    return out
+
+
+def _explained(moved: Array, slopes: Array) -> float:
+    """Share (0 to 1) of the squares of motions (m,) that shapes (m, k) tell."""
+    if slopes.shape[1] == 0:
+        return 0.0
+    told = slopes @ np.linalg.lstsq(slopes, moved, rcond=1e-9)[0]
+    return float(np.clip(1 - ((moved - told) ** 2).sum() / max(float((moved**2).sum()), 1e-12), 0, 1))
+
+
+def _built_words(choices: Sequence[Choice]) -> str:
+    ways = [choice.kinds for choice in choices[:MOST_WAYS] if choice.chance >= LIKELY]
+    kinds = dict.fromkeys(" and ".join(dict.fromkeys(kind.id for kind in way)) for way in ways if way)
+    arches = f", with {', or '.join(kinds)} arches" if kinds else ""
+    return f"the vault before it moved, springing level, walls plumb from their foot{arches}; all weighed by their odds"
+
+
+def _verdict(built: Against, resembles: tuple[Resemblance, ...]) -> str:
+    first = resembles[0]
+    certain = [one for one in built.movements if one.certain and not one.name.startswith("offset")]
+    if not certain:
+        return "No movement is larger than its limits."
+    return (
+        f"It resembles {first.mechanism} (odds {first.told_odds}): {first.says}. A scan alone cannot tell whether it "
+        "moved so, or was built so."
+    )
+
+
+assert all(part in PARTS for one in MECHANISMS for part in one.parts)
