@@ -31,6 +31,7 @@ REPORT = f"run again with {DEBUG}=1 and report what it prints"
 COMMANDS = {
     "fit": "Fit a vault to a scan: STEP, IFC, GLB, labelled points, report.",
     "export": "Write the model of a fit again, after an edit or with another thickness.",
+    "nurbs": "Model fitted vaults by free surfaces: STEP, IFC, GLB, OBJ, numbers.",
     "drawings": "Draw the model of a fit to scale: sections, plans, dimensions as DXF, PDF, SVG.",
     "sections": "Cut a fitted scan: profiles, their arches and how they were set out.",
     "unroll": "Lay the intrados of a fit flat: maps in true lengths; bring back what was drawn on them.",

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 from vaultcad.cli.ahead import SOLIDS, importing
 from vaultcad.cli.errors import InputError, refusing
+from vaultcad.cli.nurbs import NET, tell
 from vaultcad.cli.options import AsBuilt, Axis, Bounds, Seed, number_info, single
 from vaultcad.cli.outputs import check_folder
 from vaultcad.cli.reading import Columns, KeepMarked, Origin, Unit, doubts, has_up, read_scan, show_notes
@@ -24,6 +25,7 @@ from vaultcad.cli.status import status
 from vaultcad.errors import NoVaultError
 
 STAGES = ("reading", "thinning", "finding", "labelling", "measuring", "writing")
+FREE_FILES = tuple(f"nurbs.{suffix}" for suffix in ("step", "ifc", "glb", "obj", "json"))
 Thickness = Annotated[float, number_info("thickness", Bounds(0.01, 5, "m", "of the masonry, which no scan shows"))]
 
 
@@ -67,6 +69,11 @@ def fit(
     correlations: Annotated[
         bool, typer.Option("--correlations", help="Tell the correlations of the fitted numbers in report.json.")
     ] = False,
+    route: Annotated[
+        Literal["family", "nurbs"],
+        typer.Option(help="nurbs: free surfaces beside the family's, in nurbs.step, .ifc, .glb, .obj and .json."),
+    ] = "family",
+    net: Annotated[float, number_info("net", NET)] = 0.25,
     force: Annotated[
         bool, typer.Option("--force", help="Replace an earlier result although a person has changed it since.")
     ] = False,
@@ -79,7 +86,8 @@ def fit(
     from vaultcad.cli.summary import show_summary
     from vaultcad.fit.demands import demand
 
-    check_folder(out, inputs=[scan], review=review, force=force)
+    further = FREE_FILES if route == "nurbs" else ()
+    check_folder(out, inputs=[scan], review=review, force=force, more=further)
     families = _families(family)
     fixed, freed = _fixed(fix or []), tuple(free or [])
     with refusing():
@@ -118,6 +126,17 @@ def fit(
             bar.stage("standing up")
             cloud = _stood_otherwise(cloud, settings, error)
             result = fit_scan(cloud, settings, progress=bar.stage)
+        more = {}
+        if route == "nurbs":
+            from functools import partial
+
+            from vaultcad.export.nurbs_files import NURBS_WRITERS
+            from vaultcad.labelled_scan import labelled_scan
+            from vaultcad.nurbs.route import free_route
+
+            bar.stage("measuring", "free surfaces")
+            surfaces = free_route(labelled_scan(result.model, cloud, result.labels), net)
+            more = {name: partial(write, surfaces) for name, write in NURBS_WRITERS.items()}
         bar.stage("writing")
         labels = result.labels
         extra: dict[str, NDArray[Any]] = {
@@ -137,6 +156,7 @@ def fit(
             review=review,
             correlations=correlations,
             force=force,
+            more=more,
             progress=lambda name: bar.stage("writing", name),
         )
     show_notes(written.model.notes)
@@ -146,6 +166,8 @@ def fit(
         typer.echo(written.report.rstrip())
     else:
         show_summary(result.model, out)
+        if route == "nurbs":
+            tell(surfaces)
 
 
 def _stood_otherwise(cloud: Cloud, settings: FitSettings, refusal: NoVaultError) -> Cloud:

@@ -29,8 +29,10 @@ def check_file(out: Path, suffixes: Iterable[str], *, inputs: Iterable[Path] = (
     _check_writable(out, out.parent)
 
 
-def check_folder(out: Path, *, inputs: Iterable[Path] = (), review: bool = False, force: bool = False) -> None:
-    """Whether a result, with or without a review, can be put into that folder.
+def check_folder(
+    out: Path, *, inputs: Iterable[Path] = (), review: bool = False, force: bool = False, more: Iterable[str] = ()
+) -> None:
+    """Whether a result, with or without a review, and with `more` files can be put into that folder.
 
     Raises:
         ExportError: a file is in the way, or a folder with something else than an earlier result, or, without `force`,
@@ -40,7 +42,7 @@ def check_folder(out: Path, *, inputs: Iterable[Path] = (), review: bool = False
     from vaultcad.export.bundle import REVIEW, WRITERS
     from vaultcad.labelled_scan import SEGMENTS
 
-    check_result(out, [*WRITERS, SEGMENTS, *([REVIEW] if review else [])], inputs=inputs, force=force)
+    check_result(out, [*WRITERS, SEGMENTS, *([REVIEW] if review else []), *more], inputs=inputs, force=force)
 
 
 def check_result(out: Path, names: Sequence[str], *, inputs: Iterable[Path] = (), force: bool = False) -> None:

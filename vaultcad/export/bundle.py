@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -61,6 +62,7 @@ def write_all(
     review: bool = False,
     correlations: bool = False,
     force: bool = False,
+    more: Mapping[str, Callable[[Path], None]] = MappingProxyType({}),
     progress: Callable[[str], None] = lambda name: None,
 ) -> Written:
     """Write all files of a model into the folder `out`, which appears, or changes, as one when they are complete.
@@ -78,6 +80,7 @@ def write_all(
         correlations: whether report.json holds those of the fitted numbers.
         force: whether to replace what a person has changed, or made under the name of one of the files; else the
             earlier result is kept under another name.
+        more: writers of further files, by their names.
         progress: is told each file's name before it is written.
 
     Raises:
@@ -92,7 +95,7 @@ def write_all(
         if points is None or component is None or deviation is None:
             raise ValueError("a review shows points; give points, component and deviation, or leave review out")
         writers[REVIEW] = partial(write_review, points=points, component=component, deviation=deviation, vault=vault)
-    check_target(out, [*writers, SEGMENTS], force=True)  # what would be lost is kept: the work is done by now
+    check_target(out, [*writers, *more, SEGMENTS], force=True)  # what would be lost is kept: the work is done by now
     with replacing_folder(out, force=force) as place, ThreadPoolExecutor(1) as beside:
         # Most of its time goes into packing, beside which the solids are made.
         labelled = beside.submit(segments, place.part / SEGMENTS)
@@ -105,6 +108,10 @@ def write_all(
             progress(name)
             with writing(out / name):
                 write(told.get(name, solids), place.part / name)
+        for name, write_further in more.items():
+            progress(name)
+            with writing(out / name):
+                write_further(place.part / name)
         progress(SEGMENTS)
         with writing(out / SEGMENTS):
             labelled.result()

@@ -80,19 +80,19 @@ def _trimesh(
     corners = where.reshape(-1, 3).astype(np.int32)
     points = mesh.vertices[used] @ place[:3, :3].T + place[:3, 3]
     material = PBRMaterial(
-        name=colour.hex, baseColorFactor=_linear(colour), metallicFactor=0.0, roughnessFactor=0.9, doubleSided=True
+        name=colour.hex, baseColorFactor=linear(colour), metallicFactor=0.0, roughnessFactor=0.9, doubleSided=True
     )
     return trimesh.Trimesh(
         points,
         corners,
-        vertex_normals=_normals(points, corners),
+        vertex_normals=vertex_normals(points, corners),
         visual=TextureVisuals(material=material),
         metadata=extras,
         process=False,
     )
 
 
-def _normals(points: Floats, corners: Triangles) -> Floats:
+def vertex_normals(points: Floats, corners: Triangles) -> Floats:
     """Unit normals (n, 3) of vertices: the mean of their triangles', weighted by area."""
     a, b, c = (points[corners[:, k]] for k in range(3))
     across = np.cross(b - a, c - a)
@@ -103,7 +103,7 @@ def _normals(points: Floats, corners: Triangles) -> Floats:
     return normals
 
 
-def _linear(colour: Colour) -> list[int]:
+def linear(colour: Colour) -> list[int]:
     """The colour as glTF wants it, linear, with full opacity (IEC 61966-2-1)."""
     s = np.array(colour.unit)
     linear = np.where(s <= 0.04045, s / 12.92, ((s + 0.055) / 1.055) ** 2.4)

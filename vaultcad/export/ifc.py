@@ -29,7 +29,7 @@ def write_ifc(model: Assembly, path: Path) -> None:
     GlobalIds follow from `model.identity` and the place of the entity in the file, so that a second run changes no id.
     """
     author = Author(seed=model.identity)
-    _header(author, model)
+    header(author, model, "model.ifc")
     project = author.root(
         "IfcProject",
         "project",
@@ -38,7 +38,7 @@ def write_ifc(model: Assembly, path: Path) -> None:
         UnitsInContext=author.units,
     )
     if model.origin.any() or model.crs is not None:
-        _map(author, model)
+        map_conversion(author, model)
     building = building_of(model)
     storeys = spatial_structure(author, project, building)
     placed_in: list[tuple[Entity, int]] = []  # elements with their storeys
@@ -77,9 +77,10 @@ def _name(model: Assembly, building: Building, vault: int) -> str:
     return f"Row {row} bay {place}: {placed.vault.title}"
 
 
-def _header(author: Author, model: Assembly) -> None:
+def header(author: Author, model: Assembly, name: str) -> None:
+    """What a file says of itself."""
     header = author.file.header
-    header.file_name.name = "model.ifc"
+    header.file_name.name = name
     header.file_name.time_stamp = f"{stamp():%Y-%m-%dT%H:%M:%S}"
     header.file_name.originating_system = header.file_name.preprocessor_version = _program(model)
     header.file_description.description = ("ViewDefinition [DesignTransferView_V1.0]",)
@@ -89,7 +90,8 @@ def _program(model: Assembly) -> str:
     return f"vaultcad {model.versions.get('vaultcad', '')}".strip()
 
 
-def _map(author: Author, model: Assembly) -> None:
+def map_conversion(author: Author, model: Assembly) -> None:
+    """Where the model's origin is on the map."""
     easting, northing, height = (float(v) / model.unit for v in model.origin)
     named = {"Name": "unknown", "Description": "the scan's own coordinates"}
     if model.crs is not None:

@@ -86,11 +86,13 @@ class Author:
         triangles: NDArray[np.integer],
         colour: Colour,
         identifier: str = "Body",
+        *,
+        closed: bool = True,
     ) -> Entity:
-        """Representation: a closed triangulated body, vertices (n, 3) [m], triangles (m, 3) turned outwards."""
+        """Representation: vertices (n, 3) [m], triangles (m, 3) of a closed body, turned outwards, or a surface."""
         points = self.make("IfcCartesianPointList3D", CoordList=(np.round(vertices, DECIMALS) + 0.0).tolist())
         faces = self.make(
-            "IfcTriangulatedFaceSet", Coordinates=points, Closed=True, CoordIndex=(triangles + 1).tolist()
+            "IfcTriangulatedFaceSet", Coordinates=points, Closed=closed, CoordIndex=(triangles + 1).tolist()
         )
         self.make("IfcStyledItem", Item=faces, Styles=(self._style(colour),))
         return self.make(

@@ -54,7 +54,7 @@ def parameters(author: Author, placed: PlacedVault) -> Iterator[Row]:
         yield "confidence", author.value(float(fitted.confidence), "share"), "how sure the family is, 0 to 1"
 
 
-def deviation(author: Author, found: Deviation, coverage: float, points: int | None = None) -> Iterator[Row]:
+def deviation(author: Author, found: Deviation, coverage: float | None, points: int | None = None) -> Iterator[Row]:
     """How far the scan is from the model."""
     if points is not None:
         yield "points", author.value(int(points)), "points of the scan on this component"
@@ -72,4 +72,5 @@ def deviation(author: Author, found: Deviation, coverage: float, points: int | N
     for limit, share in sorted(found.within.items()):
         yield f"within_{1000 * limit:g}mm", author.value(float(share), "share"), "share of points not farther"
     yield "loa", author.value(found.loa), "USIBD level of accuracy"
-    yield "coverage", author.value(float(coverage), "share"), "share of the surface with points on it"
+    if coverage is not None:
+        yield "coverage", author.value(float(coverage), "share"), "share of the surface with points on it"

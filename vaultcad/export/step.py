@@ -25,6 +25,7 @@ from vaultcad.model import Assembly, PlacedVault, Pose
 if TYPE_CHECKING:
     from OCP.Quantity import Quantity_Color
     from OCP.TDF import TDF_Label
+    from OCP.TDocStd import TDocStd_Document
     from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS_Shape
     from OCP.XCAFDoc import XCAFDoc_ShapeTool
@@ -43,28 +44,43 @@ def write_step(model: Assembly, path: Path) -> None:
     parts = [(name, placed) for name, placed in _named(model) if placed.solid]
     if not any(placed.solid for placed in model.vaults):
         raise ExportError(f"{path.name}: no vault has a solid that could be written as STEP")
-    from OCP.IFSelect import IFSelect_RetDone
-    from OCP.Interface import Interface_Static
-    from OCP.STEPCAFControl import STEPCAFControl_Controller, STEPCAFControl_Writer
-    from OCP.TCollection import TCollection_ExtendedString
-    from OCP.TDocStd import TDocStd_Document
+    document = new_document()
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
-    document = TDocStd_Document(TCollection_ExtendedString("XmlOcaf"))
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     assembly = shapes.NewShape()
     names = [model.scan.stem]
-    _name(assembly, _stand_in(0))
+    name_label(assembly, stand_in(0))
     for name, placed in parts:
         for more, surface in names_of(model, placed):
-            part = _part(shapes, document.Main(), placed, model.thickness_of(placed), surface, _stand_in(len(names)))
-            _name(shapes.AddComponent(assembly, part, _location(placed.pose)), _stand_in(len(names)))
+            part = _part(shapes, document.Main(), placed, model.thickness_of(placed), surface, stand_in(len(names)))
+            name_label(shapes.AddComponent(assembly, part, location(placed.pose)), stand_in(len(names)))
             names.append(f"{name} {more}".rstrip())
         for rib, shape in (rib_solids(placed.vault, placed.ribs) if placed.ribs else {}).items():
             part = _plain_part(shapes, document.Main(), _solid(shape), _stand_in(len(names)))
             _name(shapes.AddComponent(assembly, part, _location(placed.pose)), _stand_in(len(names)))
             names.append(f"{name} {rib}")
     shapes.UpdateAssemblies()
+    save(document, path, model, names, "model.step")
+
+
+def new_document() -> TDocStd_Document:
+    """An empty document for shapes with names and colours."""
+    from OCP.TCollection import TCollection_ExtendedString
+    from OCP.TDocStd import TDocStd_Document
+
+    return TDocStd_Document(TCollection_ExtendedString("XmlOcaf"))
+
+
+def save(document: TDocStd_Document, path: Path, model: Assembly, names: list[str], title: str) -> None:
+    """Write a document, names for their stand-ins; `title` is the name that the file tells of itself.
+
+    Raises:
+        ExportError: the translator failed.
+    """
+    from OCP.IFSelect import IFSelect_RetDone
+    from OCP.Interface import Interface_Static
+    from OCP.STEPCAFControl import STEPCAFControl_Controller, STEPCAFControl_Writer
 
     STEPCAFControl_Controller.Init_s()
     for key, value in SETTINGS.items():
@@ -83,7 +99,7 @@ def write_step(model: Assembly, path: Path) -> None:
         text = bare.read_text(encoding="ascii") if written else ""
     if not written:
         raise ExportError(f"{path.name} could not be written as STEP; is there space left in {path.parent}?")
-    tidied = _tidied(text, model.place, model.versions.get("vaultcad", ""), names)
+    tidied = _tidied(text, model.place, model.versions.get("vaultcad", ""), names, title)
     path.write_text(tidied, encoding="ascii", newline="\n")
 
 
@@ -115,9 +131,9 @@ def _part(
     part = _plain_part(shapes, main, solid, name)
     for face, (_, component) in zip(faces(solid), shown, strict=True):
         label = shapes.AddSubShape(part, face)
-        _name(label, component)
+        name_label(label, component)
         if component in vault.components:
-            colours.SetColor(label, _rgb(colour(vault.components.index(component) + 1)), XCAFDoc_ColorSurf)
+            colours.SetColor(label, rgb(colour(vault.components.index(component) + 1)), XCAFDoc_ColorSurf)
     return part
 
 
@@ -126,8 +142,8 @@ def _plain_part(shapes: XCAFDoc_ShapeTool, main: TDF_Label, solid: TopoDS_Shape,
     from OCP.XCAFDoc import XCAFDoc_ColorSurf, XCAFDoc_DocumentTool
 
     part = shapes.AddShape(solid, False)
-    _name(part, name)
-    XCAFDoc_DocumentTool.ColorTool_s(main).SetColor(part, _rgb(colour(0)), XCAFDoc_ColorSurf)
+    name_label(part, name)
+    XCAFDoc_DocumentTool.ColorTool_s(main).SetColor(part, rgb(colour(0)), XCAFDoc_ColorSurf)
     return part
 
 
@@ -149,7 +165,8 @@ def _solid(shape: TopoDS_Shape) -> TopoDS_Shape:
     return whole if explorer.More() else only
 
 
-def _location(pose: Pose) -> TopLoc_Location:
+def location(pose: Pose) -> TopLoc_Location:
+    """Of a vault [mm]."""
     from OCP.gp import gp_Trsf
     from OCP.TopLoc import TopLoc_Location
 
@@ -160,14 +177,16 @@ def _location(pose: Pose) -> TopLoc_Location:
     return TopLoc_Location(motion)
 
 
-def _name(label: TDF_Label, name: str) -> None:
+def name_label(label: TDF_Label, name: str) -> None:
+    """Give a part its name."""
     from OCP.TCollection import TCollection_ExtendedString
     from OCP.TDataStd import TDataStd_Name
 
     TDataStd_Name.Set_s(label, TCollection_ExtendedString(name, True))
 
 
-def _rgb(colour: Colour) -> Quantity_Color:
+def rgb(colour: Colour) -> Quantity_Color:
+    """A colour as OpenCASCADE has it."""
     from OCP.Quantity import Quantity_Color, Quantity_TOC_sRGB
 
     return Quantity_Color(*colour.unit, Quantity_TOC_sRGB)
@@ -189,18 +208,18 @@ def _quiet() -> Iterator[None]:
             printer.SetTraceLevel(level)
 
 
-def _stand_in(k: int) -> str:
+def stand_in(k: int) -> str:
     """What the translator is told in place of the k-th name, for it knows little of how names are written."""
     return f"@{k}@"
 
 
-def _tidied(text: str, place: str, version: str, names: list[str]) -> str:
+def _tidied(text: str, place: str, version: str, names: list[str], title: str) -> str:
     """In the header the place, and the time of `stamp`; names for their stand-ins; an order that is not left to chance.
 
     The translator counts occurrences from the program's start, on which the breaks of their lines hang, too.
     """
     header = (
-        f"FILE_NAME('model.step','{stamp():%Y-%m-%dT%H:%M:%S}',(''),(''),'vaultcad {version}','vaultcad {version}','');"
+        f"FILE_NAME('{title}','{stamp():%Y-%m-%dT%H:%M:%S}',(''),(''),'vaultcad {version}','vaultcad {version}','');"
     )
     text = re.sub(r"FILE_NAME\(.*?\);", header, text, count=1, flags=re.DOTALL)
     told = f"FILE_DESCRIPTION(('coordinates relative to {encoded(place)}'),'2;1');"

@@ -1,0 +1,75 @@
+"""`vaultcad nurbs`: free surfaces through the points of a fitted scan."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vaultcad.cli.options import Bounds, number_info, single
+from vaultcad.cli.outputs import check_result
+
+if TYPE_CHECKING:
+    from vaultcad.nurbs.route import FreeRoute
+
+NET = Bounds(0.02, 5, "m", "distance of the lines of the nets")
+Net = Annotated[float, number_info("net", NET)]
+
+
+def command() -> Any:
+    """The command for the program."""
+    return single(nurbs, "nurbs")
+
+
+def nurbs(
+    result: Annotated[Path, typer.Argument(help="Folder that vaultcad fit wrote, with model.json and segments.laz.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the files; an earlier result is replaced.")],
+    vault: Annotated[
+        list[int] | None,
+        typer.Option(
+            parser=int, metavar="N", help="Number of a vault, from 1; may be repeated. All of them by default."
+        ),
+    ] = None,
+    net: Net = 0.25,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace an earlier result although a person has changed it since.")
+    ] = False,
+) -> None:
+    """Model vaults by free surfaces: nurbs.step, nurbs.ifc, nurbs.glb, nurbs.obj, nurbs.json.
+
+    B-spline surfaces run through the points of each component, without the shape of a family, and meet where they
+    cross. The model of the fit gives what is a component's and the directions of its net.
+    """
+    from vaultcad.export.nurbs_files import NURBS_WRITERS, write_nurbs
+
+    check_result(out, [*NURBS_WRITERS], inputs=[result], force=force)
+    from vaultcad.labelled_scan import read_labelled_scan
+    from vaultcad.nurbs.route import free_route
+
+    route = free_route(read_labelled_scan(result), net, sorted({*(vault or ())}))
+    kept = write_nurbs(route, out, force=force)
+    tell(route)
+    if kept is not None:
+        typer.echo(f"vaultcad: the earlier result had been changed meanwhile; it is kept as {kept}", err=True)
+
+
+def tell(route: FreeRoute) -> None:
+    """One line a vault; what was left out, or is not as it should be, on standard error."""
+    for why in route.left_out:
+        typer.echo(f"vaultcad: {why}", err=True)
+    for vault in route.vaults:
+        mean, p95 = 1000 * vault.deviation.mean, 1000 * vault.deviation.p95
+        if not (vault.sheet.valid and vault.sheet.watertight):
+            fault = "leaves gaps" if vault.sheet.valid else "has a fault by OpenCASCADE's check"
+            typer.echo(f"vaultcad: vault {vault.number}: the sheet of free surfaces {fault}", err=True)
+        if vault.form.led:
+            why = "where they would meet, edges cross; they were led through common edges instead"
+            typer.echo(f"vaultcad: vault {vault.number}: {why}", err=True)
+        for k in vault.form.unseen:
+            name = vault.form.outline.regions[k].name
+            typer.echo(f"vaultcad: vault {vault.number}: {name} has too few points; its edges alone shape it", err=True)
+        typer.echo(
+            f"vault {vault.number}, free surfaces: {mean:.1f} mm off the stone on the mean, 95 % within {p95:.1f} mm, "
+            f"edges to {1000 * vault.sheet.gap:.1f} mm"
+        )
