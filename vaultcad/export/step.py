@@ -57,8 +57,8 @@ def write_step(model: Assembly, path: Path) -> None:
             name_label(shapes.AddComponent(assembly, part, location(placed.pose)), stand_in(len(names)))
             names.append(f"{name} {more}".rstrip())
         for rib, shape in (rib_solids(placed.vault, placed.ribs) if placed.ribs else {}).items():
-            part = _plain_part(shapes, document.Main(), _solid(shape), _stand_in(len(names)))
-            _name(shapes.AddComponent(assembly, part, _location(placed.pose)), _stand_in(len(names)))
+            part = _plain_part(shapes, document.Main(), _solid(shape), stand_in(len(names)))
+            name_label(shapes.AddComponent(assembly, part, location(placed.pose)), stand_in(len(names)))
             names.append(f"{name} {rib}")
     shapes.UpdateAssemblies()
     save(document, path, model, names, "model.step")
