@@ -20,9 +20,9 @@ from segmentation.notes import Note
 from vaultcad.errors import NoVaultError
 from vaultcad.find.arches import FoundArch
 from vaultcad.find.choices import odds, rivals, widened
+from vaultcad.find.findings import Findings, find_vaults
 from vaultcad.find.found import Found
 from vaultcad.find.recognise import confidence
-from vaultcad.find.search import find_vaults
 from vaultcad.fit.demands import demand
 from vaultcad.fit.freedom import RECTANGLE
 from vaultcad.fit.label import ArchBand, Labels, label
@@ -37,6 +37,7 @@ from vaultcad.measure.estimates import estimates
 from vaultcad.measure.piers import piers_under
 from vaultcad.model import Component, Deviation, FittedArch, FittedVault, Model
 from vaultcad.one_thread import one_thread
+from vaultcad.processes import spread
 from vaultcad.survey.lean import lean_of
 from vaultcad.survey.thinned_scan import Site, Thin, thin_scan
 from vaultcad.versions import versions
@@ -114,9 +115,7 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
     with _stage("labelling", seconds, progress):
         labels, thinned = label(xyz, bands, arched), label(thin.points, bands, arched)
     with _stage("measuring", seconds, progress):
-        scan = _Labelled(labels, thin, thinned)
-        vaults = tuple(scan.vault(one, k, rng) for k, one in enumerate(found.vaults, 1))
-        arches = tuple(scan.arch(one, k, found.vaults, rng) for k, one in enumerate(found.arches, 1))
+        vaults, arches = _Labelled(labels, thin, thinned).measured(found, rng)
         piers = piers_under(vaults, arches, thin)
         ceiling, unexplained = account(found.hung, bands, arched)
     if lean is not None:
@@ -186,6 +185,25 @@ class _Labelled:
     labels: Labels
     thin: Thin
     thinned: Labels
+
+    def measured(
+        self, found: Findings, rng: np.random.Generator
+    ) -> tuple[tuple[FittedVault, ...], tuple[FittedArch, ...]]:
+        """The figures of all vaults and arches.
+
+        Raises:
+            NoVaultError: not one point lies on one of them.
+        """
+        vaults, arches = found.vaults, found.arches
+        rngs = rng.spawn(len(vaults) + len(arches))
+
+        def work(k: int) -> FittedVault:
+            if k < len(vaults):
+                return self.vault(vaults[k], k + 1, rngs[k])
+            return self.arch(arches[k - len(vaults)], k - len(vaults) + 1, vaults, rngs[k])
+
+        figures = list(spread(work, len(rngs)))
+        return tuple(figures[: len(vaults)]), tuple(one for one in figures if isinstance(one, FittedArch))
 
     def vault(self, found: Found, number: int, rng: np.random.Generator) -> FittedVault:
         """The figures of the vault with that number.

@@ -97,6 +97,12 @@ def _told(row: Sequence[Found]) -> _Row | None:
     return _Row(joint, kinds, _shared([choice for choice in picked if choice is not None]))
 
 
+def shared_by(row: Sequence[Found]) -> Mapping[str, tuple[float, float]]:
+    """Mean and standard deviation of the lengths in which bays of a row agree, by name [m]."""
+    told = _told(row)
+    return told.shared if told else {}
+
+
 def rows_of(found: Sequence[Found]) -> list[list[int]]:
     """The numbers, from 0, of neighbours that may have been built alike, by rows and grids of two or more."""
     row = list(range(len(found)))
