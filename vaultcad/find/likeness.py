@@ -6,7 +6,7 @@ compared with, and searched in full itself where the two do not agree.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from math import cos, pi, sin
 from typing import TypeVar
@@ -14,6 +14,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from families import Vault
 from vaultcad.find.choices import Choice
 from vaultcad.find.found import Found
 from vaultcad.find.misfit import DOUBTFUL
@@ -77,11 +78,13 @@ def in_turn(first_of: Sequence[int], work: Callable[[int, Result | None], Result
             yield k, result
 
 
-def starts_like(first: Found, site: Site) -> tuple[Start, ...]:
-    """Where the families that were fitted to one site begin at another that looks like it."""
+def starts_like(first: Found, site: Site, families: Iterable[type[Vault]]) -> tuple[Start, ...]:
+    """Where those of the families that were fitted to one site begin at another that looks like it."""
+    tried = set(families)
     return tuple(
         Start(tuple(_carried(h.solution.placed, first.site, site, quarter) for quarter in range(4)), h.kept)
         for h in first.hypotheses
+        if type(h.vault) in tried
     )
 
 

@@ -138,7 +138,7 @@ class _Search:
         """
         site = _under_its_ceiling(find_site(thin, xyz), thin)
         check_bent(site)
-        known = starts_like(self.like, site) if self.like else ()
+        known = starts_like(self.like, site, self.families) if self.like else ()
         hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands, known=known)
         same = self.like is not None and type(hypotheses[0].vault) is type(self.like.placed.vault)
         kept = self.like.refined.kept if self.like and same else None

@@ -84,7 +84,9 @@ def test_the_first_of_each_kind_comes_first_and_is_told_to_the_others() -> None:
 @pytest.mark.parametrize("quarter", [0, 1])
 def test_families_begin_where_the_stone_is_that_looks_alike(quarter: int) -> None:
     here, there = Pose(1.0, 2.0, 3.0, 0.2), Pose(-20.0, 9.0, 4.5, 1.4)
-    (start,) = starts_like(found(LARGE, here, site(here, 0)), site(there, quarter))
+    first = found(LARGE, here, site(here, 0))
+    (start,) = starts_like(first, site(there, quarter), (Groin, Sail))
+    assert starts_like(first, site(there, quarter), (Sail,)) == ()
     points = stone(LARGE, there, 1)
     assert min(np.abs(way.distance(points)).max() for way in start.ways) < 1e-9
     assert len({round(way.pose.yaw, 6) for way in start.ways}) == 4
