@@ -13,7 +13,7 @@ from families import Vault
 from vaultcad.errors import NoVaultError
 from vaultcad.find.arches import FoundArch, find_arch
 from vaultcad.find.found import Found
-from vaultcad.find.likeness import agree, as_near, firsts, in_turn, look_of_ceiling, look_of_soffit
+from vaultcad.find.likeness import as_near, firsts, in_turn, look_of_ceiling, look_of_soffit
 from vaultcad.find.rows import learned
 from vaultcad.find.search import under_one_ceiling
 from vaultcad.find.second_look import SecondLook, second_looks
@@ -123,9 +123,7 @@ def _over_part(
     mine, own = ceiling.part.thinned(thin), xyz[ceiling.part.holds(xyz)]
     if like is not None:
         with suppress(NoVaultError):
-            found = under_one_ceiling(mine, own, families, rng, demands, part=True, like=like)
-            if agree(found, like):
-                return found
+            return under_one_ceiling(mine, own, families, rng, demands, part=True, like=like)
     return under_one_ceiling(mine, own, families, rng, demands, part=True)
 
 
@@ -154,8 +152,8 @@ def _looked_at_again(
                 found = under_one_ceiling(mine, own, families, rngs[look.number], asked, part=True, like=look.beside)
             except NoVaultError:
                 return None
-            agrees = agree(found, look.beside) and all(as_near(found, one) for one in out[look.number])
-            return replace(found[0], shared=look.shared) if agrees else None
+            better = all(as_near(found, one) for one in out[look.number])
+            return replace(found[0], shared=look.shared) if better else None
 
         for look, found in zip(looks, spread(work, len(looks)), strict=True):
             if found is not None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from families import Vault
 from vaultcad.errors import NoVaultError
 from vaultcad.find.found import Found, likeliest_of, tolerance_of
-from vaultcad.find.likeness import choices_like, starts_like
+from vaultcad.find.likeness import agree, choices_like, starts_like
 from vaultcad.find.misfit import Misfit, refuse_strangers
 from vaultcad.find.no_vault import check, check_bent
 from vaultcad.find.recognise import recognise
@@ -46,12 +46,14 @@ def under_one_ceiling(
     """The vaults of a scan, or of a part of it, that hang together; `like` is one from which it can begin.
 
     Raises:
-        NoVaultError: there is none.
+        NoVaultError: there is none, or not one that agrees with that.
     """
     search = _Search(thin, xyz, CeilingGrid.of(thin), tuple(families), rng, demands, like)
     found = search.region(search.ceiling.room, part=part)
     if not found:
         raise search.refusals[0]
+    if like and not agree(found, like):
+        raise NoVaultError(f"no vault found: {like.placed.vault.called} hangs over what looks alike, but not here")
     return tuple(likeliest_of(one, demands, rng, choices_like(like) if like else ()) for one in found)
 
 
