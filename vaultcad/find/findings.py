@@ -152,8 +152,8 @@ def _looked_at_again(
                 found = under_one_ceiling(mine, own, families, rngs[look.number], asked, part=True, like=look.beside)
             except NoVaultError:
                 return None
-            better = all(as_near(found, one) for one in out[look.number])
-            return replace(found[0], shared=look.shared) if better else None
+            before = out[look.number]
+            return look.taken(found[0], before) if all(as_near(found, one) for one in before) else None
 
         for look, found in zip(looks, spread(work, len(looks)), strict=True):
             if found is not None:

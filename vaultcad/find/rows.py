@@ -93,7 +93,8 @@ def _told(row: Sequence[Found]) -> _Row | None:
     if not joint:
         return None
     kinds = max(joint, key=lambda kinds: joint[kinds])
-    picked = [next((c for c in one.choices if c.kinds == kinds), None) for one in row]
+    own = [one for one in row if not one.shared]  # others have their sizes from these
+    picked = [next((c for c in one.choices if c.kinds == kinds), None) for one in own]
     return _Row(joint, kinds, _shared([choice for choice in picked if choice is not None]))
 
 

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import log
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.find.found import Found
+from vaultcad.find.recognise import Hypothesis
 from vaultcad.find.rows import APART, OUT_OF_LINE, rows_of, shared_by
 from vaultcad.survey.parting import Ceiling
 
 Array = NDArray[np.float64]
 
 LEVEL = 0.5  # m by which the crown of a bay may differ from its neighbours'
+ODDS = 50.0  # how many times as often a bay is of the family of its row as of another
 PART = 0.2  # share of a bay's plan over which its ceiling must have been seen
 
 
@@ -29,6 +32,20 @@ class SecondLook:
     beside: Found
     shared: Mapping[str, tuple[float, float]]
 
+    def taken(self, found: Found, odd: Sequence[Found]) -> Found:
+        """What was found as a bay of the row: no surer than its own stone, or else the bay beside it, tells.
+
+        odd: what was found before, if anything was.
+        """
+        if odd:
+            own = _of_row(odd[0], self.beside)
+            others = [h for h in odd[0].hypotheses if h is not own]
+            chosen = [] if own is None else [replace(own, score=own.score - 2 * log(ODDS))]
+        else:
+            chosen, known = [found.hypotheses[0]], self.beside.hypotheses
+            others = [replace(h, score=chosen[0].score + h.score - known[0].score) for h in known[1:]]
+        return replace(found, hypotheses=(*chosen, *others), shared=self.shared)
+
 
 def second_looks(ceilings: Sequence[Ceiling], found: Sequence[Sequence[Found]]) -> list[SecondLook]:
     """Which ceilings are worth one, from what was found under each: nothing, or one vault of another family."""
@@ -42,10 +59,16 @@ def second_looks(ceilings: Sequence[Ceiling], found: Sequence[Sequence[Found]]) 
         for row in rows:
             bays = [one for _, one in row]
             beside = next((one for one in bays if _is_beside(ceiling, one)), None)
-            if beside is not None:
+            if beside is not None and all(_of_row(odd, beside) for odd in found[k]):
                 looks.append(SecondLook(k, beside, shared_by(bays)))
                 break
     return looks
+
+
+def _of_row(odd: Found, beside: Found) -> Hypothesis | None:
+    """The hypothesis that a vault is of the family beside it, if that is likelier for its place; None if it is not."""
+    own = next((h for h in odd.hypotheses if type(h.vault) is type(beside.placed.vault)), None)
+    return own if own and own.score < odd.hypotheses[0].score + 2 * log(ODDS) else None
 
 
 def _is_beside(ceiling: Ceiling, bay: Found) -> bool:

@@ -11,7 +11,7 @@ import pytest
 from families import Barrel, Groin, Pointed, Sail, Segmental, Vault
 from vaultcad.find.found import Found
 from vaultcad.find.likeness import firsts, in_turn, look_of_ceiling, starts_like
-from vaultcad.find.recognise import Hypothesis
+from vaultcad.find.recognise import Hypothesis, confidence
 from vaultcad.find.refine import Refined
 from vaultcad.find.second_look import second_looks
 from vaultcad.fit.evidence import Evidence
@@ -56,11 +56,16 @@ def site(pose: Pose, quarter: int) -> Site:
     )
 
 
-def found(vault: Vault, pose: Pose, over: Site) -> Found:
-    """A vault as if it had been found."""
+def hypothesis(vault: Vault, pose: Pose, score: float) -> Hypothesis:
     solution = Solution(Placed(vault, pose), (), NOTHING, NOTHING, NOWHERE, True, Freedom(()))
-    refined = Refined(solution, Evidence(NOWHERE, NOTHING, 0.0), 0.002, (), Freedom(()))
-    return Found(over, (Hypothesis(solution, Freedom(()), (), 0.0, 0.0),), refined, 0.03)
+    return Hypothesis(solution, Freedom(()), (), 0.0, score)
+
+
+def found(vault: Vault, pose: Pose, over: Site, *others: tuple[Vault, float]) -> Found:
+    """A vault as if it had been found; others that were tried, with their scores beyond its own."""
+    tried = tuple(hypothesis(one, pose, score) for one, score in ((vault, 0.0), *others))
+    refined = Refined(tried[0].solution, Evidence(NOWHERE, NOTHING, 0.0), 0.002, (), Freedom(()))
+    return Found(over, tried, refined, 0.03)
 
 
 def ceiling(points: np.ndarray) -> Ceiling:
@@ -96,11 +101,29 @@ def test_what_a_row_lacks_is_looked_at_again() -> None:
     places = [Pose(5.1 * k, 0.0, 3.0, 0.0) for k in range(4)] + [Pose(15.3, 12.0, 3.0, 0.0)]
     stones = [ceiling(stone(LARGE, pose, k)) for k, pose in enumerate(places)]
     rows = [(found(LARGE, pose, site(pose, 0)),) for pose in places[:2]]
-    odd = (found(Sail(4.6, 5.4, 0.9), places[2], site(places[2], 0)),)
-    looks = second_looks(stones, [*rows, odd, (), ()])
-    assert [(look.number, look.beside) for look in looks] == [(2, rows[1][0])]  # the next is beside that one alone
-    looks = second_looks(stones, [*rows, (), (), ()])
-    assert [look.number for look in looks] == [2]
+    for third in ((), (found(Sail(4.6, 5.4, 0.9), places[2], site(places[2], 0), (LARGE, 5.0)),)):
+        (look,) = second_looks(stones, [*rows, third, (), ()])
+        assert (look.number, look.beside) == (2, rows[1][0])  # the next is beside that one alone
+        taken = look.taken(found(LARGE, places[2], site(places[2], 0)), third)
+        assert [h.vault.id for h in taken.hypotheses] == ["groin", *(["sail"] if third else [])]
+        assert confidence(taken.hypotheses)[0] > 0.7
+
+
+def test_what_is_clearly_odd_in_a_row_stays_so() -> None:
+    places = [Pose(5.1 * k, 0.0, 3.0, 0.0) for k in range(3)]
+    stones = [ceiling(stone(LARGE, pose, k)) for k, pose in enumerate(places)]
+    odd = found(Sail(4.6, 5.4, 0.9), places[2], site(places[2], 0), (LARGE, 20.0))
+    rows = [(found(LARGE, pose, site(pose, 0)),) for pose in places[:2]]
+    assert second_looks(stones, [*rows, (odd,)]) == []
+
+
+def test_a_bay_found_in_its_row_is_no_surer_than_the_one_beside_it() -> None:
+    places = [Pose(5.1 * k, 0.0, 3.0, 0.0) for k in range(3)]
+    stones = [ceiling(stone(LARGE, pose, k)) for k, pose in enumerate(places)]
+    rows = [(found(LARGE, pose, site(pose, 0), (Barrel(), 3.0)),) for pose in places[:2]]
+    (look,) = second_looks(stones, [*rows, ()])
+    taken = look.taken(found(LARGE, places[2], site(places[2], 0)), ())
+    assert confidence(taken.hypotheses) == confidence(rows[1][0].hypotheses)
 
 
 def test_what_is_larger_higher_or_out_of_line_is_no_bay_of_the_row() -> None:
