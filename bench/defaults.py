@@ -16,7 +16,8 @@ from bench.figures import Figure, Table, count, label, number, text
 from families import FAMILIES, family
 from segmentation.cloud import Cloud
 from vaultcad.errors import VaultcadError
-from vaultcad.export.bundle import SEGMENTS, WRITERS, write_all
+from vaultcad.export.bundle import WRITERS, write_all
+from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.pipeline import fit_scan
 from vaultcad.scanner import ScannerSettings, scan
 

@@ -21,3 +21,7 @@ class ModelFileError(VaultcadError):
 
 class MissingLibraryError(VaultcadError):
     """A library of the stack, or a system library under it, is missing or broken."""
+
+
+class DrawingError(VaultcadError):
+    """A drawing that cannot be made as it was asked for."""

@@ -30,6 +30,7 @@ from vaultcad.model import (
     Rival,
 )
 
+MODEL = "model.json"
 SCHEMA = 1
 ABOUT = "a model of vaultcad; after an edit of parameters, poses or thickness `vaultcad export` writes it again"
 SAME = 1e-9  # m, rad or 1; what an edited number is at least off the fitted one

@@ -140,6 +140,7 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
             "fix": dict(settings.fix),
             "free": sorted(settings.free),
             "up": cloud.up,
+            "scale": cloud.scale.tolist(),
             "voxel": round(thin.spacing, 4),
         },
         versions=versions(),

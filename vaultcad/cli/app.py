@@ -31,6 +31,7 @@ REPORT = f"run again with {DEBUG}=1 and report what it prints"
 COMMANDS = {
     "fit": "Fit a vault to a scan: STEP, IFC, GLB, labelled points, report.",
     "export": "Write the model of a fit again, after an edit or with another thickness.",
+    "drawings": "Draw the model of a fit to scale: sections, plans, dimensions as DXF, PDF, SVG.",
     "segment": "Label the planes, spheres, cylinders and cones of a scan.",
     "compare": "Judge the labels of a cloud by a truth.",
     "ideal": "Points of an ideal vault, with normals and labels.",

@@ -11,11 +11,14 @@ import typer
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from segmentation.cloud import Cloud
+    from vaultcad.pipeline import FitSettings
+
 from vaultcad.cli.ahead import SOLIDS, importing
 from vaultcad.cli.errors import InputError, refusing
 from vaultcad.cli.options import Axis, Bounds, Seed, number_info, single
 from vaultcad.cli.outputs import check_folder
-from vaultcad.cli.reading import Columns, KeepMarked, Origin, Unit, doubts, read_scan, show_notes
+from vaultcad.cli.reading import Columns, KeepMarked, Origin, Unit, doubts, has_up, read_scan, show_notes
 from vaultcad.cli.status import status
 from vaultcad.errors import NoVaultError
 
@@ -35,8 +38,12 @@ def fit(
         str, typer.Option(metavar="NAME", help="auto, or what the vault is, in any language: see vaultcad families.")
     ] = "auto",
     up: Annotated[
-        Literal[Axis, "auto"], typer.Option(help="The axis that is up in the scan; auto tries all, and takes longer.")
-    ] = "z",
+        Literal[Axis, "auto"] | None,
+        typer.Option(
+            help="The axis that is up in the scan; auto tries all, and takes longer. By default z; where the format"
+            " tells of none and nothing stands with z up, y and -y are tried."
+        ),
+    ] = None,
     unit: Unit = None,
     columns: Columns = None,
     origin: Origin = None,
@@ -82,7 +89,7 @@ def fit(
         bar.stage("reading")
         cloud = read_scan(
             scan,
-            up="z" if up == "auto" else up,
+            up="z" if up is None or up == "auto" else up,
             unit=unit,
             columns=columns,
             origin=origin,
@@ -104,7 +111,11 @@ def fit(
                 cloud = stand_up(cloud, np.random.default_rng(seed), families=families)
             result = fit_scan(cloud, settings, progress=bar.stage)
         except NoVaultError as error:
-            raise NoVaultError("; ".join([str(error), *doubts(cloud.notes)])) from error
+            if up is not None or has_up(scan):
+                raise NoVaultError("; ".join([str(error), *doubts(cloud.notes)])) from error
+            bar.stage("standing up")
+            cloud = _stood_otherwise(cloud, settings, error)
+            result = fit_scan(cloud, settings, progress=bar.stage)
         bar.stage("writing")
         labels = result.labels
         extra: dict[str, NDArray[Any]] = {
@@ -133,6 +144,27 @@ def fit(
         typer.echo(written.report.rstrip())
     else:
         show_summary(result.model, out)
+
+
+def _stood_otherwise(cloud: Cloud, settings: FitSettings, refusal: NoVaultError) -> Cloud:
+    """A scan in which nothing stands with z up, with another axis up, which is told.
+
+    Raises:
+        NoVaultError: nothing stands so either; says what was wrong with z up.
+    """
+    from dataclasses import replace
+
+    import numpy as np
+
+    from segmentation.notes import Note
+    from vaultcad.find.upright import PHONES, stand_up
+
+    try:
+        stood: Cloud = stand_up(cloud, np.random.default_rng(settings.seed), families=settings.families, axes=PHONES)
+    except NoVaultError:
+        raise NoVaultError("; ".join([str(refusal), *doubts(cloud.notes)])) from refusal
+    text = f"up: {stood.up} is taken for up, for nothing stands with z up; --up says otherwise"
+    return replace(stood, notes=(*stood.notes, Note("up-assumed", text)))
 
 
 def _families(name: str) -> Any:

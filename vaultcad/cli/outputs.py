@@ -37,8 +37,9 @@ def check_folder(out: Path, *, inputs: Iterable[Path] = (), review: bool = False
             with what would be lost.
         InputError: there is no place for it, or it would replace a file that is read.
     """
-    from vaultcad.export.bundle import REVIEW, SEGMENTS, WRITERS
+    from vaultcad.export.bundle import REVIEW, WRITERS
     from vaultcad.export.folder import check_target
+    from vaultcad.labelled_scan import SEGMENTS
 
     names = [*WRITERS, SEGMENTS, *([REVIEW] if review else [])]
     for path in inputs:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from segmentation.notes import Note
 
 DOUBTFUL = ("unit-assumed", "columns", "precision")  # codes of notes that tell why a scan may hold no vault
+UPRIGHT = (".e57", ".las", ".laz", ".ptx")  # suffixes of formats in which z is up; others come from phones, too
 FARTHEST = 1e9  # m, of an origin, so that what is none is told at once
 Unit = Annotated[
     Literal["m", "cm", "mm", "ft", "ftUS", "in"] | None,
@@ -63,6 +64,11 @@ def read_scan(
         texts = ", ".join(suffix for suffix, reader in READERS.items() if reader is read_text)
         raise InputError(f"--columns {columns}: {scan.suffix} files name their own; it is for {texts}")
     return read(scan, up=up, unit=unit, columns=columns, origin=origin, keep_marked=keep_marked, progress=progress)
+
+
+def has_up(scan: Path) -> bool:
+    """Whether the format of a scan says that z is up."""
+    return scan.suffix.lower() in UPRIGHT
 
 
 def doubts(notes: Iterable[Note]) -> list[str]:

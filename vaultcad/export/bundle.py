@@ -23,12 +23,11 @@ from vaultcad.export.report_json import write_report_json
 from vaultcad.export.review import write_review
 from vaultcad.export.step import write_step
 from vaultcad.export.world import write_world
+from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.model import Model
-from vaultcad.model_file import write_model
+from vaultcad.model_file import MODEL, write_model
 
-SEGMENTS = "segments.laz"
 PAGE = "report.html"
-MODEL = "model.json"
 REVIEW = "review.png"
 WRITERS: dict[str, Callable[[Model, Path], None]] = {
     "model.step": write_step,

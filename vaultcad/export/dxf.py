@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from datetime import datetime
-from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from segmentation.io.stamp import stamp
+from vaultcad.dxf_document import Layer, add_layers, dxf_document
 from vaultcad.export.building_plan import arrow
 from vaultcad.export.plan_shape import PlanShape, plan_shape
 from vaultcad.measure.building import building_of
@@ -21,20 +17,8 @@ if TYPE_CHECKING:
     from ezdxf.document import Drawing
     from ezdxf.layouts import Modelspace
 
-RELEASE = "R2010"
-METRES = 6  # $INSUNITS
 LETTER, FINE = 0.25, 0.15  # m, heights of numbers and of the rest
-DASH = (0.3, 0.2, -0.1)  # m: the pattern's length, a dash, a gap
-FIXED = datetime(2000, 1, 1)  # what ezdxf writes when it is told to write no time
 HEAD = 0.15  # m, half of an arrow's head
-
-
-class Layer(NamedTuple):
-    """A layer: colour of AutoCAD's index, line type, weight of its lines [1/100 mm]."""
-
-    colour: int
-    linetype: str
-    weight: int
 
 
 LAYERS = {
@@ -49,34 +33,8 @@ LAYERS = {
 
 def write_dxf(model: Model, path: Path) -> None:
     """Write the plan of all vaults and arches; those of a second storey have layers of their own, as VAULTS-2."""
-    import ezdxf
-    from ezdxf.tools.juliandate import juliandate
-
-    told = StringIO()
-    with _without_clock():
-        document = ezdxf.new(RELEASE, units=METRES)
-        document.header["$MEASUREMENT"] = 1  # metric
-        document.header.custom_vars.append("place", model.place)
-        document.linetypes.add("DASHED", DASH, description="dashed __ __ __")
+    with dxf_document(path, model.place) as document:
         _draw(document, model)
-        for name in sorted(document.entitydb.dxf_types_in_use()):  # ezdxf adds them as a set has them
-            document.classes.add_class(name)
-        document.write(told)
-    text = told.getvalue().replace(f"\n{juliandate(FIXED)}\n", f"\n{juliandate(stamp().replace(tzinfo=None))}\n")
-    path.write_text(text, encoding="utf-8", newline="\n")
-
-
-@contextmanager
-def _without_clock() -> Iterator[None]:
-    """Elsewhere ezdxf writes the time, and identities by chance."""
-    import ezdxf
-
-    kept = ezdxf.options.write_fixed_meta_data_for_testing
-    ezdxf.options.write_fixed_meta_data_for_testing = True
-    try:
-        yield
-    finally:
-        ezdxf.options.write_fixed_meta_data_for_testing = kept
 
 
 def _draw(document: Drawing, model: Model) -> None:
@@ -84,8 +42,7 @@ def _draw(document: Drawing, model: Model) -> None:
     for storey, vaults in enumerate(building.storeys, 1):
         suffix = f"-{storey}" if storey > 1 else ""
         on = {name: f"{name}{suffix}" for name in LAYERS}
-        for name, layer in LAYERS.items():
-            document.layers.add(on[name], color=layer.colour, linetype=layer.linetype, lineweight=layer.weight)
+        add_layers(document, LAYERS, suffix)
         for k in vaults:
             placed = model.vaults[k - 1]
             shape = plan_shape(model, placed)

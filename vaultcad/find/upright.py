@@ -15,17 +15,25 @@ from vaultcad.find.no_vault import on_vault
 from vaultcad.one_thread import one_thread
 from vaultcad.survey.thinned_scan import Thin, thin_scan
 
+PHONES: tuple[Up, ...] = ("y", "-y")  # which axes are up in scans of phones and of cameras that z is not
+
 
 @one_thread
-def stand_up(cloud: Cloud, rng: np.random.Generator, *, families: Sequence[type[Vault]] = FAMILIES) -> Cloud:
-    """The cloud with that axis of its file up on which the vaults explain the most of it; they are looked for on all.
+def stand_up(
+    cloud: Cloud,
+    rng: np.random.Generator,
+    *,
+    families: Sequence[type[Vault]] = FAMILIES,
+    axes: Sequence[Up] = tuple(AXES),
+) -> Cloud:
+    """The cloud with that axis of its file up, of some or all, on which the vaults explain the most of it.
 
     Raises:
         NoVaultError: there is no vault, whichever axis is up.
         ValueError: the cloud was turned already when it was read.
     """
     thin = thin_scan(cloud)
-    explained = {up: _explained(thin, cloud, up, families, rng) for up in AXES}
+    explained = {up: _explained(thin, cloud, up, families, rng) for up in axes}
     best = max(explained, key=lambda up: explained[up])
     if not explained[best]:
         raise NoVaultError("no vault found, whichever axis is up; scan a whole room under a vault, or crop to one bay")

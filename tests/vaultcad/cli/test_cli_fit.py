@@ -12,8 +12,9 @@ import pytest
 from segmentation import read
 from vaultcad import pipeline
 from vaultcad.cli.fit import STAGES
-from vaultcad.export.bundle import REVIEW, SEGMENTS, WRITERS
+from vaultcad.export.bundle import REVIEW, WRITERS
 from vaultcad.export.folder import MARKER
+from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.scanner import read_truth
 
 FILES = {MARKER, REVIEW, SEGMENTS, *WRITERS}

@@ -13,9 +13,10 @@ from families import FAMILIES, BasketHandle, Groin, Semicircular, Stilted
 from vaultcad.errors import ExportError
 from vaultcad.export import buildable as module
 from vaultcad.export import geometry
-from vaultcad.export.bundle import SEGMENTS, WRITERS, write_all
+from vaultcad.export.bundle import WRITERS, write_all
 from vaultcad.export.folder import MARKER
 from vaultcad.export.step import write_step
+from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.model_file import read_model
 
 IDS = tuple(cls.id for cls in FAMILIES)

@@ -12,6 +12,8 @@ from build123d import import_step
 from families import FAMILIES, Groin
 from families.drawing.deviation_colours import shade
 from segmentation.io import write_cloud
+from vaultcad.drawings.bundle import sheets
+from vaultcad.drawings.cad import write_dxf
 from vaultcad.model_file import plain_vault
 from vaultcad.workbench.install import INTERPRETER, by_rule, install
 from vaultcad.workbench.scans import bay
@@ -178,3 +180,15 @@ def test_each_vault_of_a_scan_is_an_object_of_its_own(in_freecad, make_model, tm
     assert found["objects"] == ["groin vault", "groin vault"]
     assert found["deviations"] == [1, 2], "what lies outside the bay keeps its deviations"
     assert found["undone"] == ["groin vault", "barrel vault"]
+
+
+def test_drawings_open_in_freecad(in_freecad, make_model, tmp_path) -> None:
+    model = make_model("groin")
+    (sheet,) = sheets(model)
+    write_dxf([sheet], tmp_path / "drawings.dxf", model.place)
+    found = in_freecad("drawing")
+    assert found["shapes"] > 50
+    assert found["box"][0] >= 0
+    paper = [1.0 * side * sheet.scale for side in sheet.paper]  # FreeCAD's millimetres
+    assert found["box"][1] <= paper[0]
+    assert 0.3 * paper[1] < found["box"][2] <= paper[1]

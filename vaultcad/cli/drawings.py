@@ -1,0 +1,58 @@
+"""`vaultcad drawings`: sheets to scale of a model that a fit left."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+from vaultcad.cli.options import single
+
+Paper = Literal["A4", "A3", "A2", "A1", "A0"]
+
+
+def command() -> Any:
+    """The command for the program."""
+    return single(drawings, "drawings")
+
+
+def drawings(
+    model: Annotated[Path, typer.Argument(help="The model.json of a result, or the folder that has it.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the drawings; earlier ones are replaced.")],
+    scale: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="One to how much, as 50; by default what fits on the paper.")
+    ] = None,
+    paper: Annotated[Paper | None, typer.Option(help="The paper; by default A3, or larger where it has to be.")] = None,
+    vault: Annotated[
+        list[int] | None, typer.Option(metavar="NUMBER", help="Of this vault alone; may be repeated.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace earlier drawings although a person has changed them since.")
+    ] = False,
+) -> None:
+    """Draw a fitted model to scale: sections, plan, dimensions, centres of arches, as DXF, PDF and SVG.
+
+    A sheet a vault, and one of the whole building.
+    """
+    from vaultcad.cli.reading import show_notes
+    from vaultcad.drawings.bundle import CAD, PAGES, sheets, svg_name, write_drawings
+    from vaultcad.drawings.sheet import Wish
+    from vaultcad.errors import ModelFileError
+    from vaultcad.export.buildable import buildable
+    from vaultcad.export.folder import check_target, replacing_folder
+    from vaultcad.model_file import MODEL, read_model
+
+    path = model / MODEL if model.is_dir() else model
+    if not path.is_file():
+        raise ModelFileError(f"{path}: no such file; give the model.json that a fit left, or its folder")
+    check_target(out, [CAD, PAGES], force=force)
+    drawn = buildable(read_model(path))
+    made = sheets(drawn, Wish(scale, paper), tuple(vault or ()))
+    check_target(out, [CAD, PAGES, *map(svg_name, made)], force=force)
+    with replacing_folder(out, force=force) as place:
+        write_drawings(made, drawn.place, place.part)
+    show_notes(drawn.notes)
+    for sheet in made:
+        typer.echo(f"{sheet.title}, 1:{sheet.scale}")
+    typer.echo(f"{out}: {', '.join([CAD, PAGES, *map(svg_name, made)])}")

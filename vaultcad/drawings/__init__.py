@@ -1,0 +1,1 @@
+"""Sheets to scale: sections, plans and unrolled vaults as DXF, PDF and SVG."""

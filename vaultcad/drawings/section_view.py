@@ -1,0 +1,122 @@
+"""A vault cut by a vertical plane, as a view of a sheet: stone, intrados, springing, centres of arcs, sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vaultcad.drawings.fitted_arcs import OFF, fitted_arcs
+from vaultcad.drawings.marks import Cross, Dimension, Hatch, Mark, Path, View, Word, circle_of, view_of
+from vaultcad.export.drawing import cut
+from vaultcad.export.geometry import Body, bodies
+from vaultcad.model import Assembly, PlacedVault
+
+Floats = NDArray[np.float64]
+
+BESIDE_JOINTS = 1e-5  # m from the plane at which stone is cut, as triangles may end on the plane itself
+SAME_CIRCLE = 0.002  # m by which centres and radii of the pieces of one circle differ
+FLATTEST = 60.0  # m; arcs of a larger radius are no arcs that a mason drew
+LONG_ARC = 0.25  # of the clear width; shorter arcs tell no centre
+LEVEL_LINE = 16.0  # mm on the paper by which the lines of levels begin left of the view
+APART = 0.01  # m by which a section is higher than the crown where it says so
+AWAY = 9.0  # mm on the paper from the view to its dimensions
+
+
+@dataclass(frozen=True)
+class Cut:
+    """What a section shows, in (u, z) [m] of its plane, z from the springing.
+
+    origin: a point of it in plan, in the vault's frame. along: its direction there, u.
+    intrados, beyond, as_built, scan: rows (n, 2), open; beyond is what is seen behind it: the arch at the wall. chords:
+    where it enters and leaves the plan.
+    """
+
+    letter: str
+    title: str
+    origin: tuple[float, float]
+    along: tuple[float, float]
+    intrados: tuple[Floats, ...]
+    chords: tuple[tuple[float, float], ...]
+    beyond: tuple[Floats, ...] = ()
+    as_built: tuple[Floats, ...] = ()
+    scan: tuple[Floats, ...] = ()
+
+    def turned(self, points: Floats) -> Floats:
+        """Points (n, 3) of the vault's frame along the plane, off it, and up."""
+        x, y = self.along
+        local = points[:, :2] - np.asarray(self.origin)
+        return np.column_stack([local @ [x, y], local @ [-y, x], points[:, 2]])
+
+
+def section_view(model: Assembly, placed: PlacedVault, section: Cut, scale: int) -> View:
+    """The view, for a sheet at one to `scale`, which says how far off dimensions are."""
+    vault, thickness, up = placed.vault, model.thickness_of(placed), placed.pose.z + float(model.origin[2])
+    stone = [row for body in bodies(vault, thickness) for row in _cut_rows(body, section)]
+    marks: list[Mark] = [Hatch("HATCH", (row,)) for row in stone]
+    marks += [_path("STONE", row, closed=True) for row in stone]
+    inner = [_path("INTRADOS", row) for row in section.intrados]
+    behind = [_path("BEYOND", row) for row in section.beyond]
+    marks += behind + inner
+    marks += [_path("AS-BUILT", row) for row in section.as_built]
+    marks += [_path("SCAN", row) for row in section.scan]
+    view = view_of(section.title, marks)
+    mm = scale / 1000.0
+    left, right = float(view.low[0]), float(view.high[0])
+    out = AWAY * mm
+    crown = vault.lift + vault.derived_values()["rise"]
+    levels = [(vault.lift, "springing"), (crown, "crown")]
+    top = max(float(row[:, 1].max()) for row in section.intrados)
+    if top - crown > APART:
+        levels.append((top, "highest"))
+    for level, name in levels:
+        begin = left - LEVEL_LINE * mm
+        view.marks.append(Path("SPRINGING", np.array([[begin, level], [right + out / 3, level]])))
+        view.marks.append(Word("TEXT", (begin, level + 0.7 * mm), f"{level + up:+.3f}", 2.0, across=-1, up=-1))
+        view.marks.append(Word("TEXT", (begin, level - 0.9 * mm), name, 1.6, across=-1, up=1))
+    foot = float(view.low[1]) - out
+    for a, b in section.chords:
+        view.marks.append(Dimension("DIMENSIONS", (a, 0.0), (b, 0.0), (a, foot)))
+    plumb = (right + out, 0.0)
+    view.marks.append(Dimension("DIMENSIONS", (right, vault.lift), (right, crown), plumb, np.pi / 2))
+    view.marks += _circles(inner + behind, section.chords, foot, mm)
+    return view
+
+
+def _path(layer: str, row: Floats, *, closed: bool = False) -> Path:
+    corners, bulges = fitted_arcs(np.concatenate([row, row[:1]]) if closed else row, OFF)
+    return Path(layer, corners[:-1], bulges[:-1], closed=True) if closed else Path(layer, corners, bulges)
+
+
+def _cut_rows(body: Body, section: Cut) -> Iterator[Floats]:
+    """Closed rows (n, 2) of a body where the plane cuts it."""
+    turned = Body(body.id, body.name, section.turned(body.vertices), body.triangles, body.intrados_area)
+    for row in cut(turned, 1, BESIDE_JOINTS):
+        yield row[:, [0, 2]]
+
+
+def _circles(paths: Sequence[Path], chords: Sequence[tuple[float, float]], foot: float, mm: float) -> Iterator[Mark]:
+    """The centres of the long arcs, where they are above `foot`, and their radii; pieces of a circle tell it once."""
+    told: list[tuple[Floats, float]] = []
+    long = LONG_ARC * max(q - p for p, q in chords)
+    for path in paths:
+        for k, bulge in enumerate(path.bulges[: len(path.points) - 1]):
+            a, b = path.points[k], path.points[k + 1]
+            if abs(bulge) < 1e-6 or np.hypot(*(b - a)) < long:
+                continue
+            centre, radius = circle_of(a, b, bulge)
+            if radius > FLATTEST or any(np.hypot(*(centre - c)) + abs(radius - r) < SAME_CIRCLE for c, r in told):
+                continue
+            told.append((centre, radius))
+            middle = centre + radius * _unit((a + b) / 2 - centre)
+            x, y = (middle - 3.0 * mm * _unit(middle - centre)).tolist()
+            yield Word("CENTRES", (x, y), f"R {radius:.3f}", 2.0)
+            if centre[1] > foot:
+                yield Cross("CENTRES", (float(centre[0]), float(centre[1])))
+
+
+def _unit(way: Floats) -> Floats:
+    found: Floats = way / np.hypot(*way)
+    return found
