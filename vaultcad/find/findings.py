@@ -122,8 +122,9 @@ def _over_part(
     _check_bent(ceiling)
     mine, own = ceiling.part.thinned(thin), xyz[ceiling.part.holds(xyz)]
     if like is not None:
+        begun = rng.spawn(1)[0]  # so that a search in full is the same as if this had not been tried
         with suppress(NoVaultError):
-            return under_one_ceiling(mine, own, families, rng, demands, part=True, like=like)
+            return under_one_ceiling(mine, own, families, begun, demands, part=True, like=like)
     return under_one_ceiling(mine, own, families, rng, demands, part=True)
 
 

@@ -167,7 +167,7 @@ def _rough(
         grid = list(alike)
         for k in np.argsort([few.cost(placed, COARSE) for placed in grid], kind="stable")[:tried]:
             free = demands.freedom(grid[k].vault, demands.begun_with(grid[k].vault))
-            solved.append(few.solve(grid[k], free, (0.3, MIDDLE), most=8).placed)
+            solved.append(some.solve(grid[k], free, (0.3, MIDDLE), most=8).placed)
     return [min(solved, key=lambda placed: some.cost(placed, MIDDLE))] if solved else []
 
 
