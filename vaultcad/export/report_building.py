@@ -17,14 +17,14 @@ LIKELY = 0.05  # chance from which on a rule is shown
 MOST_RULES = 3  # of an arch
 
 
-def building_page(model: Model, building: Building, found: Sequence[Seen]) -> str:
-    """Plans and tables, as HTML."""
+def building_page(model: Model, building: Building, found: Sequence[Seen], view: str) -> str:
+    """Plans, the 3D view and tables, as HTML."""
     arches = f", {len(model.arches)} arch{'es' * (len(model.arches) > 1)}" if model.arches else ""
     title = f"{len(found)} vault{'s' * (len(found) > 1)}{arches}"
     return (
         f"<header><h1>{title}</h1>"
         f'<p class="soft">{escape(model.scan.name)} · {model.points:,} points · {_summary(building)}</p></header>'
-        f"{_plans(model, found) if len(found) > 1 else ''}"
+        f"{_plans(model, found) if len(found) > 1 else ''}{view}"
         f"<section><h2>Bays</h2>{_bays(model, building)}</section>"
         f"{f'<section><h2>Arches</h2>{_arches(model)}</section>' if model.arches else ''}"
     )

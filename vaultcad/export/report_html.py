@@ -1,4 +1,7 @@
-"""report.html: what was found, drawn and explained, in one file that needs nothing from outside and runs no script."""
+"""report.html: what was found, drawn and explained, in one file that needs nothing from outside.
+
+Scripts do nothing in it but the 3D view, which is unpacked when it is asked for.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +25,7 @@ from vaultcad.export.report_building import building_page
 from vaultcad.export.report_json import in_shown_unit, plain
 from vaultcad.export.report_text import FILES, STYLE, TERMS
 from vaultcad.export.seen import Seen, seen
+from vaultcad.export.viewer.embed import viewer_section, viewer_style
 from vaultcad.measure.building import building_of
 from vaultcad.model import FLAGS, Component, Deviation, Estimate, FittedVault, Model
 
@@ -51,19 +55,20 @@ def write_report_html(
     building = building_of(model)
     names = [f"{k} · {building.name(k)}: {one.vault.title}" for k, one in enumerate(found, 1)]
     heads = names if several else [found[0].vault.title.capitalize()]
-    parts = [_vault(one, model, k, heads[k - 1]) for k, one in enumerate(found, 1)]
+    view = viewer_section(model, names if several else heads, points, component, deviation, vault)
+    whole = building_page(model, building, found, view) if several or model.arches else ""
+    parts = [_vault(one, model, k, heads[k - 1], view * (not whole)) for k, one in enumerate(found, 1)]
     what = f"{len(found)} vaults" if several else found[0].vault.title
     title = escape(f"{what} · {model.scan.name}")
     head = (
         f'<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{title}</title><style>{STYLE}</style>"
+        f"<title>{title}</title><style>{STYLE}{viewer_style()}</style>"
     )
-    whole = building_page(model, building, found) if several or model.arches else ""
     body = whole + "".join(parts) + _notes(model) + _files() + _glossary(model) + _origin(model)
     path.write_text(f'<!doctype html><html lang="en"><head>{head}</head><body>{body}</body></html>\n', encoding="utf-8")
 
 
-def _vault(one: Seen, model: Model, number: int, head: str) -> str:
+def _vault(one: Seen, model: Model, number: int, head: str, view: str) -> str:
     fitted, vault, d = one.fitted, one.vault, one.fitted.deviation
     across, along = (high - low for low, high in (plane.clear(vault) for plane in PLANES))
     size = f"{across:.2f} × {along:.2f}\u00a0m"
@@ -81,7 +86,7 @@ def _vault(one: Seen, model: Model, number: int, head: str) -> str:
         f'<p class="soft">{escape(model.scan.name)} · {model.points:,} points</p></header>'
         f"{_summary(fitted)}"
         f'<div class="figures">{figures}</div>'
-        f"{drawn([plan(one), *(section(one, plane) for plane in PLANES)])}"
+        f"{drawn([plan(one), *(section(one, plane) for plane in PLANES)])}{view}"
         f"<section><h2>Deviation</h2>{_deviation(one)}</section>"
         f"<section><h2>Sizes and parameters</h2>{_parameters(fitted, model.origin)}</section>"
         f"<section><h2>Components</h2>{_components(fitted.components)}</section>"

@@ -90,9 +90,10 @@ def test_the_page_is_whole_and_tells_every_figure(name, make_model, page):
     assert all(any(path.get("class") == "stone" for path in section.iter()) for section in sections)
 
 
-def test_nothing_comes_from_outside_and_no_script_runs(make_model, page):
+def test_nothing_comes_from_outside(make_model, page):
     text, parser = page(make_model("groin"))
-    assert not {tag for tag, _ in parser.seen} & {"script", "link", "img", "iframe", "object"}
+    assert not {tag for tag, _ in parser.seen} & {"link", "img", "iframe", "object"}
+    assert not any("src" in attrs for tag, attrs in parser.seen if tag == "script")
     links = [attrs[key] for _, attrs in parser.seen for key in ("src", "href") if key in attrs]
     assert links
     assert not any(":" in link or link.startswith("/") for link in links)
@@ -103,7 +104,7 @@ def test_nothing_comes_from_outside_and_no_script_runs(make_model, page):
 def test_names_are_escaped(make_model, page):
     model = make_model("barrel", scan=Path("<script>alert(1)<b> & co.laz"), settings={"a<b": ['"&"']})
     text, parser = page(model)
-    assert "<script" not in text
+    assert "<script>alert" not in text
     assert any("<script>alert(1)<b> & co.laz" in words for words in parser.words)
     assert "a<b" in parser.words
 

@@ -147,7 +147,8 @@ def sources():
 
 
 def test_no_other_file_draws():
-    writers = {"families/drawing/svg.py", "families/drawing/png.py", "vaultcad/export/charts.py"}
+    sheets = "vaultcad/drawings/paper.py"  # in millimetres of paper
+    writers = {"families/drawing/svg.py", "families/drawing/png.py", "vaultcad/export/charts.py", sheets}
     draws = re.compile(
         r"<(svg|path|polyline|rect)\b|\.(scatter|imshow|pcolormesh|add_patch)\(|axes\.(plot|fill|text)\("
     )
