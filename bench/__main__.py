@@ -16,6 +16,7 @@ from bench import (
     profiles,
     regressions,
     rooms,
+    sections,
     shapes,
     strangers,
     tables,
@@ -37,6 +38,7 @@ BENCHMARKS = {
     "limits": limits.run,
     "defaults": defaults.run,
     "uncertainty": uncertainty.run,
+    "sections": sections.run,
     "workbench": workbench.run,
 }
 
@@ -51,7 +53,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--write", action="store_true", help=f"put the figures into docs/{measured.PAGE.name}")
     parser.add_argument("--seeds", type=int, default=3, help="seeds of each ideal cloud (shapes), default 3")
     parser.add_argument("--points", type=int, default=1_000_000, help="points of a cloud, default 1000000")
-    for module in (cost, peers, rooms, buildings, barren, strangers, profiles, limits, defaults, uncertainty):
+    for module in (cost, peers, rooms, buildings, barren, strangers, profiles, limits, defaults, uncertainty, sections):
         module.options(parser)
     chosen = parser.parse_args(arguments)
     unknown = sorted(set(chosen.names) - set(BENCHMARKS))

@@ -23,6 +23,7 @@ from families.declaration.plan import Plan, X
 from families.declaration.profiles import Profile, Segmental
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import coarse_arches
+from families.unrolled.sheet import unrolled
 from segmentation import compare, read
 from segmentation.io.labels import read_labels
 from vaultcad.cli import main
@@ -191,6 +192,16 @@ def test_it_is_drawn_and_turned() -> None:
     assert isinstance(vault, Corridor)
     assert turned(vault, 1) is None
     assert turned(vault, 2) == ({**vault.values(), **vault.derived_values()}, vault.kinds)
+
+
+def test_it_is_laid_flat_in_true_lengths_and_lifted_again() -> None:
+    vault = Corridor()
+    sheet = unrolled(vault)
+    assert [leaf.name for leaf in sheet.leaves] == ["barrel", "barrel", "ceiling"]
+    assert sheet.distortion < 1e-4
+    sample = vault.sample(2000, np.random.default_rng(1))
+    place, _ = sheet.lay(sample.xyz, sample.component)
+    assert np.abs(sheet.lift(place)[0] - sample.xyz).max() < 1e-6
 
 
 def test_once_it_is_taken_out_nobody_knows_it() -> None:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import cos, hypot, isfinite, nan, sin, sqrt
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from families import Vault
 from families.declaration.parameters import derived_declarations
 from segmentation.crs import Crs
 from segmentation.notes import Note
+from vaultcad.displacement import Displacement
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,10 @@ def tilted(lean: tuple[float, float]) -> NDArray[np.float64]:
 
 @dataclass(frozen=True)
 class Deviation:
-    """Distances of points to a surface [m]; `within`: share of points not farther than each limit [m]."""
+    """Distances of points to a surface [m]; `within`: share of points not farther than each limit [m].
+
+    mean, rms, median, p95, max: of the distances without their sign; signed_mean: with it, positive into the stone.
+    """
 
     mean: float
     rms: float
@@ -81,6 +85,8 @@ class Deviation:
     max: float
     within: Mapping[float, float]
     loa: str  # USIBD level of accuracy of the 95 % limit: "LOA10" (coarser than 5 cm) ... "LOA50" (1 mm)
+    median: float = nan
+    signed_mean: float = nan
 
 
 # Marks of numbers that one vault alone does not tell: flag -> sign and what it says.
@@ -145,6 +151,7 @@ class Component:
     points: int
     deviation: Deviation | None
     coverage: float
+    as_built: Deviation | None = None
 
 
 @dataclass(frozen=True)
@@ -222,6 +229,7 @@ class FittedVault(PlacedVault):
     odds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # of each arch: kind -> chance
     rivals: tuple[Rival, ...] = ()  # how it may have been built; this one first, then the likeliest
     doubt: str = ""  # why it may be of none of the families, where that is likely
+    surface: Displacement | None = None  # in its own frame: where the ideal vault has p, its stone has p + surface(p)
 
     @property
     def arches(self) -> dict[str, str]:
@@ -299,6 +307,10 @@ class FittedPier:
         return width, depth, height
 
 
+Drawn = Literal["ideal", "as-built", "both"]
+"""What is drawn of a vault: as its family has it, as its stone stands, or both beside each other."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Assembly:
     """Vaults in one place, as exporters take them: drawn, or of a `Model`, which has the scan that they are of.
@@ -315,6 +327,14 @@ class Assembly:
     unit: float = 1.0  # m, of x and y in the scan
     crs: Crs | None = None  # that the scan declares
     notes: tuple[Note, ...] = ()  # what was assumed, left out or changed
+    drawn: Drawn = "both"  # in files of bodies; the stone where it is known, else the ideal vault
+
+    def surfaces(self, placed: PlacedVault) -> tuple[Displacement | None, ...]:
+        """What displaces each body that is drawn of one of its vaults or arches; None: nothing, it is the ideal one."""
+        own = placed.surface if isinstance(placed, FittedVault) else None
+        if own is None or self.drawn == "ideal":
+            return (None,)
+        return (own,) if self.drawn == "as-built" else (None, own)
 
     def thickness_of(self, placed: PlacedVault) -> float:
         """Of the masonry of one of its vaults or arches [m]."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from families import Vault
 from segmentation.crs import Crs
 from segmentation.notes import Note
+from vaultcad.displacement import Displacement
 from vaultcad.errors import ModelFileError
 from vaultcad.model import (
     Component,
@@ -88,9 +89,11 @@ def plain_model(model: Model) -> dict[str, Any]:
 
 def plain_vault(fitted: FittedVault) -> dict[str, Any]:
     """A fitted vault as plain values: what `Vault.plain` tells, its pose [m, rad], and what else was found."""
-    whole = asdict(replace(fitted, covariance=None))
+    whole = asdict(replace(fitted, covariance=None, surface=None))
     if fitted.covariance is not None:
         whole["covariance"] = _plain_covariance(fitted.covariance)
+    if fitted.surface is not None:
+        whole["surface"] = fitted.surface.plain()
     found = {name: whole[name] for name in ("pose", *DECODERS)}
     told: dict[str, Any] = finite(
         {**fitted.vault.plain(), "title": fitted.vault.title, **found, "estimates": whole["parameters"]}
@@ -148,6 +151,8 @@ def _fitted(told: Mapping[str, Any]) -> dict[str, Any]:
     """The fields of a fitted vault."""
     vault, pose = Vault.from_plain(told), _pose(told["pose"])
     read = {name: decode(told[name]) for name, decode in DECODERS.items() if name in told}
+    if is_edited(told):
+        read["surface"] = None  # which displaces the vault that was fitted
     return {"vault": vault, "pose": pose, "parameters": _estimates(vault, told["estimates"])} | read
 
 
@@ -179,7 +184,8 @@ def _model(told: Mapping[str, Any]) -> Model:
     notes = [Note(note["code"], note["text"]) for note in told["notes"]]
     if edited:
         which = f"{', '.join(edited)} {'was' if len(edited) == 1 else 'were'}"
-        notes.append(Note("edited", f"{which} edited after the fit, whose deviations and coverage are told"))
+        text = f"{which} edited after the fit, whose deviations and coverage are told; bodies are ideal ones"
+        notes.append(Note("edited", text))
     return Model(
         scan=Path(scan["name"]),
         points=int(scan["points"]),
@@ -251,7 +257,8 @@ def _estimate(told: Mapping[str, Any]) -> Estimate:
 def _deviation(told: Mapping[str, Any] | None) -> Deviation | None:
     if told is None:
         return None
-    numbers = {name: nan if told[name] is None else told[name] for name in ("mean", "rms", "p95", "max")}
+    names = ("mean", "rms", "p95", "max", *(name for name in ("median", "signed_mean") if name in told))
+    numbers = {name: nan if told[name] is None else told[name] for name in names}
     return Deviation(**numbers, within={float(k): v for k, v in told["within"].items()}, loa=told["loa"])
 
 
@@ -267,7 +274,8 @@ def _covariance(told: Mapping[str, Any] | None) -> Covariance | None:
 
 
 def _component(told: Mapping[str, Any]) -> Component:
-    return Component(**{**told, "deviation": _deviation(told["deviation"])})
+    measured = {name: _deviation(told.get(name)) for name in ("deviation", "as_built")}
+    return Component(**{**told, **measured})
 
 
 DECODERS: dict[str, Callable[[Any], Any]] = {
@@ -285,6 +293,7 @@ DECODERS: dict[str, Callable[[Any], Any]] = {
     "solid": bool,
     "odds": dict,
     "doubt": str,
+    "surface": lambda told: None if told is None else Displacement.from_plain(told),
     "rivals": lambda told: tuple(Rival(**{**one, "constraints": tuple(one["constraints"])}) for one in told),
 }
 """How what a fit found is read, by its names."""

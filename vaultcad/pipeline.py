@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
 from segmentation.notes import Note
+from vaultcad.displacement import Displacement
 from vaultcad.errors import NoVaultError
 from vaultcad.find.arches import FoundArch
 from vaultcad.find.choices import odds, rivals, widened
@@ -262,6 +263,7 @@ def _measured(
     for k, name in enumerate(placed.vault.components, 1):
         d = deviation[component == k]
         components.append(Component(k, name, len(d), summarise(d) if len(d) else None, sight.of(k)))
+    surface, rest = _as_built(placed, on, thinned.deviation[mine].astype(np.float64), rng)
     ranking = confidence(found.hypotheses, found.misfit.chance)
     return FittedVault(
         vault=placed.vault,
@@ -273,7 +275,8 @@ def _measured(
         deviation=summarise(deviation),
         coverage=sight.whole,
         converged=solution.converged,
-        as_built=_as_built(placed, on, thinned.deviation[mine].astype(np.float64), rng),
+        as_built=rest,
+        surface=surface,
         covariance=widened(spread, placed, found.choices),
         tolerance=found.tolerance,
         odds=odds(found.choices),
@@ -290,12 +293,18 @@ def _open_ends(site: Site, placed: Placed) -> tuple[float, float]:
     return (y, x) if round((placed.pose.yaw - site.yaw) / (pi / 2)) % 2 else (x, y)
 
 
-def _as_built(placed: Placed, on: Array, distances: Array, rng: np.random.Generator) -> Deviation | None:
-    """How far the points (n, 3), in the vault's frame, are from the as-built surface; None if they are too few."""
+def _as_built(
+    placed: Placed, on: Array, distances: Array, rng: np.random.Generator
+) -> tuple[Displacement | None, Deviation | None]:
+    """The as-built surface from one half of the points (n, 3), in the vault's frame, and how far the other half is.
+
+    None where they are too few.
+    """
     order = rng.permutation(len(on))[:AS_BUILT]
     fit, held = order[::2], order[1::2]
     if len(held) < 100:
-        return None
+        return None, None
     normals = placed.vault.evaluate(on[order]).normal
-    field_ = displacement(on[fit], normals[::2], distances[fit])
-    return summarise(distances[held] - np.einsum("nc,nc->n", field_(on[held]), normals[1::2]))
+    surface = displacement(on[fit], normals[::2], distances[fit])
+    rest = distances[held] - np.einsum("nc,nc->n", surface(on[held]), normals[1::2])
+    return surface, summarise(rest)

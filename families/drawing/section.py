@@ -4,23 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import groupby, pairwise
-from math import sqrt
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.palette import Colour, colour
-from families.declaration.plan import Plan, Side
+from families.declaration.plan import Plan
 from families.declaration.vault import Vault
 from families.drawing.looks import CLOSER, MOST_DOTS, OUTSIDE, SLAB
 from families.drawing.sheet import Drawing, Floats
-from families.void.columns import heights
-
-OUTLINE_STEPS = 241  # an odd number, so that one of them is at the crown
-INSIDE = 1 - 1e-9
-ON_PLAN = 1e-9  # [m]
-Outline = tuple[Floats, NDArray[np.uint16]]
+from families.void import upright
+from families.void.upright import OUTLINE_STEPS, Outline, Upright
 
 
 @dataclass(frozen=True)
@@ -65,28 +60,7 @@ PLANES = (CutPlane(1, "A", +1), CutPlane(0, "B", -1))
 
 def chords(plan: Plan, axis: int, at: float) -> list[tuple[float, float]]:
     """Between which values of the other coordinate a plan lies where one coordinate is `at` [m], in their order."""
-    met = sorted(value for side in plan.sides for value in _crossings(side, axis, at))
-    found: list[tuple[float, float]] = []
-    for low, high in pairwise(met):
-        middle = np.full((1, 2), at)
-        middle[0, 1 - axis] = (low + high) / 2
-        if high - low < ON_PLAN or plan.distance(middle)[0] > ON_PLAN:
-            continue
-        joins = found and low - found[-1][1] < ON_PLAN
-        found.append((found.pop()[0] if joins else low, high))
-    return found
-
-
-def _crossings(side: Side, axis: int, at: float) -> Iterator[float]:
-    """Where a side of a plan has one coordinate `at` [m]: its other coordinate."""
-    a, b = side.start, side.end
-    if side.centre is None:
-        if min(a[axis], b[axis]) - ON_PLAN <= at <= max(a[axis], b[axis]) + ON_PLAN and a[axis] != b[axis]:
-            yield a[1 - axis] + (at - a[axis]) / (b[axis] - a[axis]) * (b[1 - axis] - a[1 - axis])
-    elif (gap := abs(at - side.centre[axis])) < side.radius:
-        reach = sqrt(side.radius**2 - gap**2)
-        # Also where the circle goes on beyond its arc: what lies between two of them is within the plan or it is not.
-        yield from (side.centre[1 - axis] - reach, side.centre[1 - axis] + reach)
+    return upright.chords(plan, Upright.along_axis(1 - axis, at))
 
 
 def section(vault: Vault, plane: CutPlane, points: Floats | None = None) -> Drawing:
@@ -125,25 +99,5 @@ def stretches(vault: Vault, line: Floats, component: NDArray[np.uint16]) -> Iter
 
 
 def outlines(vault: Vault, across: int, at: float, steps: int = OUTLINE_STEPS) -> list[Outline]:
-    """The room's outlines where the other coordinate is `at` [m], one wherever that crosses the plan.
-
-    Each from springing to springing: (n, 2) [m], `steps` of them over the plan, and the component of each stretch
-    between, 0 on a wall.
-    """
-    return [_outline(vault, across, at, chord, steps) for chord in chords(vault.plan, 1 - across, at)]
-
-
-def _outline(vault: Vault, across: int, at: float, chord: tuple[float, float], steps: int) -> Outline:
-    left, right = chord
-    middle, half = (left + right) / 2, (right - left) / 2
-
-    def placed(u: Floats) -> Floats:
-        places = np.full((len(u), 2), at)
-        places[:, across] = middle + INSIDE * (u - middle)
-        return places
-
-    # Closer where arches are steep.
-    u = middle + half * np.sin(np.linspace(-np.pi / 2, np.pi / 2, steps))
-    line = np.concatenate([[[left, 0.0]], np.column_stack([u, heights(vault, placed(u))]), [[right, 0.0]]])
-    between, z = ((line[:-1] + line[1:]) / 2).T
-    return line, vault.evaluate(np.column_stack([placed(between), z]), walls=True).component
+    """The room's outlines where the other coordinate is `at` [m], see `families.void.upright.outlines`."""
+    return upright.outlines(vault, Upright.along_axis(across, at), steps)

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.vault import Vault
-from families.drawing.section import INSIDE, outlines, stretches
+from families.drawing.section import outlines, stretches
 from families.drawing.sheet import Drawing, Floats
+from families.void.upright import INSIDE
 
 LINES, STEPS = 9, 49  # along either direction, and places of each where its height is asked; odd, so that one is midway
 AZIMUTH, ELEVATION = radians(-60), radians(32)

@@ -51,7 +51,7 @@ class Path(ABC):
         return self._sampled(start, end, SAMPLES)
 
     def _sampled(self, start: float, end: float, count: int) -> tuple[Array, Array]:
-        t = start + (end - start) * _shares(count)
+        t = start + (end - start) * shares(count)
         return t, self.points(t)
 
 
@@ -232,7 +232,7 @@ class Spline(Path):
     @cached_property
     def geometry(self) -> Geom_Curve:
         """B-spline curve."""
-        return Geom_BSplineCurve(*_spline(self.knots, self.poles, DEGREE, TColgp_Array1OfPnt, gp_Pnt))
+        return Geom_BSplineCurve(*spline_data(self.knots, self.poles, DEGREE, TColgp_Array1OfPnt, gp_Pnt))
 
     def points(self, t: Array) -> Array:
         """Points at parameters."""
@@ -254,13 +254,13 @@ def drawn(path: Path, start: float, end: float, parameters: Callable[[Array], Ar
     rate = (last - first) / (t[-2] - t[1])
     if np.abs(first + np.outer(t - t[1], rate) - uv)[inner].max() > STRAIGHT * max(1.0, np.abs(uv).max()):
         knots, poles = interpolated(t, uv)
-        return Geom2d_BSplineCurve(*_spline(knots, poles, DEGREE, TColgp_Array1OfPnt2d, gp_Pnt2d))
+        return Geom2d_BSplineCurve(*spline_data(knots, poles, DEGREE, TColgp_Array1OfPnt2d, gp_Pnt2d))
     origin, speed = first - t[1] * rate, hypot(*rate)
     if abs(speed - 1) < STRAIGHT:
         return Geom2d_Line(gp_Pnt2d(*origin.tolist()), gp_Dir2d(*rate.tolist()))
     ends = np.array([start, start, end, end])
     poles = origin + np.outer(ends[[0, -1]], rate)
-    return Geom2d_BSplineCurve(*_spline(ends, poles, 1, TColgp_Array1OfPnt2d, gp_Pnt2d))
+    return Geom2d_BSplineCurve(*spline_data(ends, poles, 1, TColgp_Array1OfPnt2d, gp_Pnt2d))
 
 
 def arc_weight(angle: float) -> float:
@@ -281,27 +281,30 @@ def arc_poles(bow: Bow) -> Array:
 
 
 @cache
-def _shares(count: int) -> Array:
+def shares(count: int) -> Array:
     """Shares (`count`,) from 0 to 1, the denser towards the ends, where splines are the least accurate."""
     found: Array = (1 - np.cos(np.linspace(0, np.pi, count))) / 2
     return found
 
 
-def _spline(
+def spline_data(
     knots: Array, poles: Array, degree: int, array: Any, made: Any
 ) -> tuple[Any, TColStd_Array1OfReal, TColStd_Array1OfInteger, int]:
     """A spline that ends at its first and last pole, as OpenCASCADE takes it."""
     places = array(1, len(poles))
     for k, pole in enumerate(poles.tolist(), 1):
         places.SetValue(k, made(*pole))
-    once = knots[degree : len(poles) + 1].tolist()
-    values, counts = TColStd_Array1OfReal(1, len(once)), TColStd_Array1OfInteger(1, len(once))
-    for k, value in enumerate(once, 1):
-        values.SetValue(k, value)
-    counts.Init(1)
-    for end in (1, len(once)):
-        counts.SetValue(end, degree + 1)
-    return places, values, counts, degree
+    return places, *counted(knots), degree
+
+
+def counted(knots: Array) -> tuple[TColStd_Array1OfReal, TColStd_Array1OfInteger]:
+    """Knots of a spline, each once, and how often each counts."""
+    values, counts = np.unique(knots, return_counts=True)
+    once, times = TColStd_Array1OfReal(1, len(values)), TColStd_Array1OfInteger(1, len(values))
+    for k, (value, count) in enumerate(zip(values.tolist(), counts.tolist(), strict=True), 1):
+        once.SetValue(k, value)
+        times.SetValue(k, count)
+    return once, times
 
 
 def point(vector: Array) -> Point:

@@ -18,7 +18,7 @@ from OCP.Geom import Geom_BSplineSurface, Geom_Surface
 from OCP.Geom2d import Geom2d_Curve
 from OCP.gp import gp_Pnt
 from OCP.TColgp import TColgp_Array2OfPnt
-from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal, TColStd_Array2OfReal
+from OCP.TColStd import TColStd_Array2OfReal
 from scipy.optimize import brentq
 
 from families.declaration.pieces import Piece, Web
@@ -27,7 +27,7 @@ from families.declaration.units import MM
 from families.solid import arches
 from families.solid.arches import HalfArch, arch_parameters, half_arches
 from families.solid.boundary import Step
-from families.solid.curves import Conic, Path, Point, Spline, drawn
+from families.solid.curves import Conic, Path, Point, Spline, counted, drawn
 from families.solid.heights import WEB, WIDTH
 from families.solid.plan_cells import SAME_PLACE, Cut, Way
 from families.solid.roofs import NOTHING, Roof
@@ -199,7 +199,7 @@ class WebSheet(Sheet):
                 at = (i, j) if self.sign > 0 else (j, i)
                 points.SetValue(*at, gp_Pnt(x / weight, y / weight, z / weight))
                 factors.SetValue(*at, weight)
-        (once, times), (share, turns) = _counted(row), arches.knots(count)
+        (once, times), (share, turns) = counted(row), arches.knots(count)
         if self.sign > 0:
             return Geom_BSplineSurface(points, factors, once, share, times, turns, DEGREE, arches.DEGREE)
         return Geom_BSplineSurface(points, factors, share, once, turns, times, arches.DEGREE, DEGREE)
@@ -227,16 +227,6 @@ class WebSheet(Sheet):
         places = np.stack([self.sign * (x * tx + y * ty - v * middle), up], axis=1) / span[:, None]
         share = arch_parameters(*half_arches(self.frame.part.arch, self.frame.ratios(v), steep=self._steep), places)
         return np.stack([angle, share] if self.sign > 0 else [share, angle], axis=1)
-
-
-def _counted(row: Array) -> tuple[TColStd_Array1OfReal, TColStd_Array1OfInteger]:
-    """Knots of a spline, each once, and how often each counts."""
-    values, counts = np.unique(row, return_counts=True)
-    once, times = TColStd_Array1OfReal(1, len(values)), TColStd_Array1OfInteger(1, len(values))
-    for k, (value, count) in enumerate(zip(values.tolist(), counts.tolist(), strict=True), 1):
-        once.SetValue(k, value)
-        times.SetValue(k, count)
-    return once, times
 
 
 @dataclass(frozen=True, eq=False)

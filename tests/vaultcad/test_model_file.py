@@ -8,6 +8,7 @@ import pytest
 
 from families import FAMILIES, Groin, Pointed, Vault, family
 from families.declaration.corners import Skew
+from vaultcad.displacement import Displacement
 from vaultcad.errors import ModelFileError
 from vaultcad.export.report_json import report
 from vaultcad.model import Covariance, Estimate, FittedPier, PlacedVault, Pose, Rival
@@ -57,7 +58,9 @@ def model(make_model):
     whole = make_model("groin")
     covariance = Covariance(("x", "yaw"), np.array([[4e-6, 1e-7], [1e-7, 1e-8]]))
     rival = Rival(0.4, {"profile_x": "pointed"}, ("level",), {"span_x": 4.0}, -0.01)
-    fitted = replace(whole.vaults[0], covariance=covariance, rivals=(rival,), odds={"profile_x": {"pointed": 0.7}})
+    sunk = Displacement(np.array([-3.0, -3.1, -0.7]), np.array([0.9, 0.8, 0.7]), np.full((3, 2, 4, 3), 0.012_345))
+    found = {"covariance": covariance, "rivals": (rival,), "odds": {"profile_x": {"pointed": 0.7}}, "surface": sunk}
+    fitted = replace(whole.vaults[0], **found)
     return replace(whole, vaults=(fitted,), origin=np.array([5e5, 4.7e6, 0.0]))
 
 
@@ -132,6 +135,13 @@ def test_an_edit_is_in_all_numbers_and_said(model, tmp_path):
         ({"vault__pose": {"x": 0}}, "y is missing"),
         ({"vault__estimates__span_x": 4}, "mend the file"),
         ({"vault__deviation": None}, "deviation = None is no measure"),
+        ({"vault__surface__step": [1, 0, 1]}, r"surface\.step = \[1, 0, 1\] is no spacing of a grid"),
+        ({"vault__surface__low": [1, None, 1]}, r"surface\.low = \[1, None, 1\] is no triple of numbers"),
+        ({"vault__surface__shape": [3, 2, 0]}, r"surface\.shape = \[3, 2, 0\] is no grid"),
+        ({"vault__surface__shape": [3, 3, 4]}, "has not the 9 rows"),
+        ({"vault__surface__shape": [3, 2, 5]}, "has a row of 12 numbers; surface.shape asks for 15"),
+        ({"vault__surface__micrometres": ["x"] * 6}, "has 'x', which is no row of whole numbers"),
+        ({"vault__surface__micrometres": [" ".join(["99000000"] * 12)] * 6}, "go beyond 10 m"),
     ],
 )
 def test_a_wrong_edit_is_refused_with_field_value_and_range(model, tmp_path, changes, said):

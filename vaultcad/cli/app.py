@@ -32,6 +32,8 @@ COMMANDS = {
     "fit": "Fit a vault to a scan: STEP, IFC, GLB, labelled points, report.",
     "export": "Write the model of a fit again, after an edit or with another thickness.",
     "drawings": "Draw the model of a fit to scale: sections, plans, dimensions as DXF, PDF, SVG.",
+    "sections": "Cut a fitted scan: profiles, their arches and how they were set out.",
+    "unroll": "Lay the intrados of a fit flat: maps in true lengths; bring back what was drawn on them.",
     "segment": "Label the planes, spheres, cylinders and cones of a scan.",
     "compare": "Judge the labels of a cloud by a truth.",
     "ideal": "Points of an ideal vault, with normals and labels.",

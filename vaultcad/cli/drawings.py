@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
+
+if TYPE_CHECKING:
+    from vaultcad.sections.section import Section
 
 from vaultcad.cli.options import single
 
@@ -18,7 +22,7 @@ def command() -> Any:
 
 
 def drawings(
-    model: Annotated[Path, typer.Argument(help="The model.json of a result, or the folder that has it.")],
+    model: Annotated[Path, typer.Argument(help="The folder of a result, or its model.json alone.")],
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the drawings; earlier ones are replaced.")],
     scale: Annotated[
         int | None, typer.Option(metavar="N", min=1, help="One to how much, as 50; by default what fits on the paper.")
@@ -33,7 +37,7 @@ def drawings(
 ) -> None:
     """Draw a fitted model to scale: sections, plan, dimensions, centres of arches, as DXF, PDF and SVG.
 
-    A sheet a vault, and one of the whole building.
+    A sheet a vault, and one of the whole building. With the folder, sections have the scan's line and its arches, too.
     """
     from vaultcad.cli.reading import show_notes
     from vaultcad.drawings.bundle import CAD, PAGES, sheets, svg_name, write_drawings
@@ -48,7 +52,8 @@ def drawings(
         raise ModelFileError(f"{path}: no such file; give the model.json that a fit left, or its folder")
     check_target(out, [CAD, PAGES], force=force)
     drawn = buildable(read_model(path))
-    made = sheets(drawn, Wish(scale, paper), tuple(vault or ()))
+    cuts = _sections(model) if model.is_dir() else ()
+    made = sheets(drawn, Wish(scale, paper), tuple(vault or ()), cuts)
     check_target(out, [CAD, PAGES, *map(svg_name, made)], force=force)
     with replacing_folder(out, force=force) as place:
         write_drawings(made, drawn.place, place.part)
@@ -56,3 +61,11 @@ def drawings(
     for sheet in made:
         typer.echo(f"{sheet.title}, 1:{sheet.scale}")
     typer.echo(f"{out}: {', '.join([CAD, PAGES, *map(svg_name, made)])}")
+
+
+def _sections(folder: Path) -> Sequence[Section]:
+    """What the points of a result show, if it has them."""
+    from vaultcad.labelled_scan import SEGMENTS, read_labelled_scan
+    from vaultcad.sections.cuts import sections
+
+    return sections(read_labelled_scan(folder)) if (folder / SEGMENTS).is_file() else ()

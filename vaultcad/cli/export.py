@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vaultcad.cli.options import Bounds, number_info, single
+from vaultcad.cli.options import AsBuilt, Bounds, number_info, single
 from vaultcad.cli.outputs import check_file
 from vaultcad.cli.reading import show_notes
 
@@ -33,6 +33,7 @@ def export(
     model: Annotated[Path, typer.Argument(help="The model.json of a result, as it is or edited.")],
     out: Annotated[Path, typer.Option("--out", "-o", help=f"File to write, by its suffix: {', '.join(SUFFIXES)}.")],
     thickness: Thickness = None,
+    as_built: AsBuilt = "both",
 ) -> None:
     """Write a fitted model again: STEP, IFC, GLB, the plan (dxf), the report (html, json), or the world file of CAD.
 
@@ -46,7 +47,7 @@ def export(
 
     if not model.is_file():
         raise ModelFileError(f"{model}: no such file; give the model.json that a fit left")
-    told = read_model(model)
+    told = replace(read_model(model), drawn=as_built)
     if thickness is not None:
         told = replace(told, thickness=thickness, vaults=tuple(replace(v, thickness=None) for v in told.vaults))
     drawn = buildable(told)

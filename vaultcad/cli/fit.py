@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 from vaultcad.cli.ahead import SOLIDS, importing
 from vaultcad.cli.errors import InputError, refusing
-from vaultcad.cli.options import Axis, Bounds, Seed, number_info, single
+from vaultcad.cli.options import AsBuilt, Axis, Bounds, Seed, number_info, single
 from vaultcad.cli.outputs import check_folder
 from vaultcad.cli.reading import Columns, KeepMarked, Origin, Unit, doubts, has_up, read_scan, show_notes
 from vaultcad.cli.status import status
@@ -50,6 +51,7 @@ def fit(
     keep_marked: KeepMarked = False,
     seed: Seed = 0,
     thickness: Thickness = 0.15,
+    as_built: AsBuilt = "both",
     fix: Annotated[
         list[str] | None,
         typer.Option(
@@ -125,7 +127,7 @@ def fit(
             "deviation": labels.deviation,
         }
         written = write_all(
-            result.model,
+            replace(result.model, drawn=as_built),
             out,
             segments=lambda path: write_labelled(scan, path, cloud, extra),
             points=result.points,

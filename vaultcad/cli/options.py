@@ -159,3 +159,10 @@ def single(command: Callable[..., Any], name: str, help: str | None = None) -> A
 
 
 Seed = Annotated[int, number_info("seed", Bounds(0, inf, "1", "of all that is random"), integer=True)]
+AsBuilt = Annotated[
+    Literal["ideal", "as-built", "both"],
+    typer.Option(
+        "--as-built", help="Bodies in STEP, IFC and GLB: of the ideal vault, of the stone as it stands, or both."
+    ),
+]
+"""As `vaultcad.model.Drawn`, which takes too long to import."""

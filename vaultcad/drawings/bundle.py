@@ -12,12 +12,17 @@ from vaultcad.drawings.sheet import Sheet, Wish
 from vaultcad.drawings.vault_sheet import vault_sheet
 from vaultcad.errors import DrawingError
 from vaultcad.model import Model
+from vaultcad.sections.section import Section
 
 CAD, PAGES = "drawings.dxf", "drawings.pdf"
 
 
-def sheets(model: Model, wish: Wish | None = None, vaults: Sequence[int] = ()) -> list[Sheet]:
+def sheets(
+    model: Model, wish: Wish | None = None, vaults: Sequence[int] = (), sections: Sequence[Section] = ()
+) -> list[Sheet]:
     """One a vault, after those of the whole building where there is more than one; or of some vaults alone, from 1.
+
+    sections: what `vaultcad.sections.cuts.sections` shows of the scan by the planes of each genesis; may be left out.
 
     Raises:
         DrawingError: there is no such vault, or a sheet does not fit as it is wished for.
@@ -26,14 +31,14 @@ def sheets(model: Model, wish: Wish | None = None, vaults: Sequence[int] = ()) -
     for number in vaults:
         if not 0 < number <= count:
             raise DrawingError(f"vault {number}: there is none; the model has {count}, numbered from 1")
-    return [*_sheets(model, wish, vaults)]
+    return [*_sheets(model, wish, vaults, sections)]
 
 
-def _sheets(model: Model, wish: Wish, vaults: Sequence[int]) -> Iterator[Sheet]:
+def _sheets(model: Model, wish: Wish, vaults: Sequence[int], sections: Sequence[Section]) -> Iterator[Sheet]:
     if not vaults and len(model.vaults) > 1:
         yield from building_sheets(model, wish)
     for number in vaults or range(1, len(model.vaults) + 1):
-        yield vault_sheet(model, number, wish)
+        yield vault_sheet(model, number, wish, sections)
 
 
 def write_drawings(made: Sequence[Sheet], place: str, folder: Path) -> None:

@@ -103,7 +103,7 @@ def _inside(line: object, within: object) -> Iterator[Floats]:
 
 def _cutting(section: Cut, view: View, mm: float) -> Iterator[Mark]:
     """Where a section cuts, with its letter at both ends."""
-    origin, along = np.asarray(section.origin), np.asarray(section.along)
+    origin, along = np.asarray(section.plane.origin), np.asarray(section.plane.direction)
     reach = [u for chord in section.chords for u in chord]
     out = 4.0 * mm
     a, b = origin + (min(reach) - out) * along, origin + (max(reach) + out) * along

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from families.void.upright import Upright
 from vaultcad.drawings.fitted_arcs import OFF, fitted_arcs
 from vaultcad.drawings.marks import Cross, Dimension, Hatch, Mark, Path, View, Word, circle_of, view_of
 from vaultcad.export.drawing import cut
 from vaultcad.export.geometry import Body, bodies
-from vaultcad.model import Assembly, PlacedVault
+from vaultcad.model import Assembly, PlacedVault, said
+from vaultcad.sections.section import SectionArch
 
 Floats = NDArray[np.float64]
 
@@ -27,28 +29,27 @@ AWAY = 9.0  # mm on the paper from the view to its dimensions
 
 @dataclass(frozen=True)
 class Cut:
-    """What a section shows, in (u, z) [m] of its plane, z from the springing.
+    """What a section shows, in (u, z) [m] of its plane, z from the springing, under a letter.
 
-    origin: a point of it in plan, in the vault's frame. along: its direction there, u.
     intrados, beyond, as_built, scan: rows (n, 2), open; beyond is what is seen behind it: the arch at the wall. chords:
-    where it enters and leaves the plan.
+    where it enters and leaves the plan. arches: those that the scan's line shows, which tell radii and kinds.
     """
 
     letter: str
-    title: str
-    origin: tuple[float, float]
-    along: tuple[float, float]
+    kind: str
+    plane: Upright
     intrados: tuple[Floats, ...]
     chords: tuple[tuple[float, float], ...]
     beyond: tuple[Floats, ...] = ()
     as_built: tuple[Floats, ...] = ()
     scan: tuple[Floats, ...] = ()
+    arches: tuple[SectionArch, ...] = ()
 
-    def turned(self, points: Floats) -> Floats:
-        """Points (n, 3) of the vault's frame along the plane, off it, and up."""
-        x, y = self.along
-        local = points[:, :2] - np.asarray(self.origin)
-        return np.column_stack([local @ [x, y], local @ [-y, x], points[:, 2]])
+    @property
+    def title(self) -> str:
+        """Which it is, and what its arches may be."""
+        kinds = "; ".join(dict.fromkeys(" or ".join(said(arch.odds)) for arch in self.arches))
+        return f"Section {self.letter}–{self.letter}, {self.kind}{': ' + kinds if kinds else ''}"
 
 
 def section_view(model: Assembly, placed: PlacedVault, section: Cut, scale: int) -> View:
@@ -81,7 +82,10 @@ def section_view(model: Assembly, placed: PlacedVault, section: Cut, scale: int)
         view.marks.append(Dimension("DIMENSIONS", (a, 0.0), (b, 0.0), (a, foot)))
     plumb = (right + out, 0.0)
     view.marks.append(Dimension("DIMENSIONS", (right, vault.lift), (right, crown), plumb, np.pi / 2))
-    view.marks += _circles(inner + behind, section.chords, foot, mm)
+    if section.arches:
+        view.marks += _arcs(section.arches, foot, mm)
+    else:
+        view.marks += _circles(inner + behind, section.chords, foot, mm)
     return view
 
 
@@ -92,8 +96,9 @@ def _path(layer: str, row: Floats, *, closed: bool = False) -> Path:
 
 def _cut_rows(body: Body, section: Cut) -> Iterator[Floats]:
     """Closed rows (n, 2) of a body where the plane cuts it."""
-    turned = Body(body.id, body.name, section.turned(body.vertices), body.triangles, body.intrados_area)
-    for row in cut(turned, 1, BESIDE_JOINTS):
+    plane, points = section.plane, body.vertices
+    turned = np.column_stack([plane.along(points), plane.off(points), points[:, 2]])
+    for row in cut(Body(body.id, body.name, turned, body.triangles, body.intrados_area), 1, BESIDE_JOINTS):
         yield row[:, [0, 2]]
 
 
@@ -115,6 +120,21 @@ def _circles(paths: Sequence[Path], chords: Sequence[tuple[float, float]], foot:
             yield Word("CENTRES", (x, y), f"R {radius:.3f}", 2.0)
             if centre[1] > foot:
                 yield Cross("CENTRES", (float(centre[0]), float(centre[1])))
+
+
+def _arcs(arches: Sequence[SectionArch], foot: float, mm: float) -> Iterator[Mark]:
+    """The same of the arches that the stone shows, with how sure their radii are."""
+    for arch in arches:
+        for arc in arch.arcs:
+            centre, radius = np.array([arc.u.value, arc.z.value]), arc.radius.value
+            if radius > FLATTEST:
+                continue
+            angle = (arc.start + arc.end) / 2
+            x, y = (centre + (radius - 3.0 * mm) * np.array([np.cos(angle), np.sin(angle)])).tolist()
+            sure = f" ± {arc.radius.std:.3f}" if arc.radius.std else ""
+            yield Word("CENTRES", (x, y), f"R {radius:.3f}{sure}", 2.0)
+            if centre[1] > foot:
+                yield Cross("CENTRES", (arc.u.value, arc.z.value))
 
 
 def _unit(way: Floats) -> Floats:

@@ -3,27 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from string import ascii_uppercase
 
-from families.drawing.section import PLANES, outlines
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Vault
+from families.void.upright import Upright, chords, outlines
 from vaultcad.drawings.fields import scan_fields
 from vaultcad.drawings.marks import View
 from vaultcad.drawings.plan_view import plan_view
 from vaultcad.drawings.section_view import Cut, section_view
 from vaultcad.drawings.sheet import Sheet, Wish, lay_out
 from vaultcad.model import Assembly, FittedVault, PlacedVault
+from vaultcad.sections.cut import displaced
+from vaultcad.sections.guide import guides
+from vaultcad.sections.planes import genesis_planes
+from vaultcad.sections.section import Section
+
+Floats = NDArray[np.float64]
 
 AT_WALL = 0.998  # of the way to the wall, where the arch on it is taken
+AS_WIDE = 0.5  # of a section, that what is behind it must be to be shown
+MOST_SECTIONS = 4  # on a sheet
 SIZES = 6  # of a vault that its title block has room for
 
 
-def vault_sheet(model: Assembly, number: int, wish: Wish) -> Sheet:
-    """The sheet of the vault with that number, from 1.
+def vault_sheet(model: Assembly, number: int, wish: Wish, sections: Sequence[Section] = ()) -> Sheet:
+    """The sheet of the vault with that number, from 1; with what its sections show of the scan, where there are any.
 
     Raises:
         DrawingError: it does not fit as it is wished for.
     """
     placed = model.vaults[number - 1]
-    cuts = tuple(middle_cuts(placed))
+    cuts = tuple(cuts_of(placed, [one for one in sections if one.vault == number]))
 
     def views(scale: int) -> Sequence[Sequence[View]]:
         sections = [section_view(model, placed, one, scale) for one in cuts]
@@ -34,17 +47,41 @@ def vault_sheet(model: Assembly, number: int, wish: Wish) -> Sheet:
     return lay_out(f"vault-{number}", title, views, fields, wish, -placed.pose.yaw)
 
 
-def middle_cuts(placed: PlacedVault) -> Iterator[Cut]:
-    """The sections through the middle, along both axes of the vault."""
+def cuts_of(placed: PlacedVault, sections: Sequence[Section] = ()) -> Iterator[Cut]:
+    """The first plane of each kind that the vault's genesis asks for, with what the scan's sections show there."""
     vault = placed.vault
-    for plane in PLANES:
-        lines = tuple(line for line, _ in outlines(vault, plane.across, 0.0))
-        along = (1.0, 0.0) if plane.across == 0 else (0.0, 1.0)
-        title = f"Section {plane.letter}–{plane.letter}"
-        low, high = vault.plan.box
-        wall = float((high if plane.looks > 0 else low)[plane.axis]) * AT_WALL
-        beyond = tuple(line for line, _ in outlines(vault, plane.across, wall))
-        yield Cut(plane.letter, title, (0.0, 0.0), along, lines, tuple(plane.chords(vault)), beyond)
+    shown = {section.plane.name: section for section in sections}
+    surface = placed.surface if isinstance(placed, FittedVault) else None
+    first: dict[str, tuple[str, Upright]] = {}
+    for asked in genesis_planes(vault):
+        if isinstance(asked.cut, Upright):
+            first.setdefault(asked.kind, (asked.name, asked.cut))
+    for letter, (kind, (name, plane)) in zip(ascii_uppercase, [*first.items()][:MOST_SECTIONS], strict=False):
+        lines, along = guides(vault, plane)
+        moved = () if surface is None else (displaced(vault, plane, guide, surface) for guide in along)
+        section = shown.get(name)
+        yield Cut(
+            letter,
+            kind,
+            plane,
+            tuple(line for line, _ in lines),
+            tuple(chords(vault.plan, plane)),
+            tuple(_beyond(vault, plane)),
+            tuple(line.line for line in moved),
+            () if section is None else tuple(run.line for run in section.profile),
+            () if section is None else section.arches,
+        )
+
+
+def _beyond(vault: Vault, plane: Upright) -> Iterator[Floats]:
+    """What is seen behind a section at the wall, if that is about as wide."""
+    reach = AT_WALL * float(plane.off(vault.plan.outline()).max())
+    (x, y), (a, b) = plane.origin, plane.normal
+    behind = Upright((x + reach * a, y + reach * b), plane.direction)
+    wide = max(high - low for low, high in chords(vault.plan, plane))
+    for line, _ in outlines(vault, behind):
+        if np.ptp(line[:, 0]) > AS_WIDE * wide:
+            yield line
 
 
 def _fields(model: Assembly, placed: PlacedVault) -> Iterator[tuple[str, str]]:

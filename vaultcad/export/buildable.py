@@ -10,8 +10,9 @@ import numpy as np
 
 from families import Profile, Semicircular, Vault
 from segmentation.notes import Note
+from vaultcad.export.as_built import solid_of
 from vaultcad.export.geometry import cut, exact, masonry
-from vaultcad.model import Assembly, PlacedVault
+from vaultcad.model import Assembly, FittedVault, PlacedVault
 
 NUDGES = (0.0, 1e-5, -1e-5, 3e-5, -3e-5)  # of the first parameter, twice that of the second, and so on
 FURTHER = (1e-4, -1e-4, 3e-4, -3e-4, 1e-3, -1e-3)  # where that is not enough: some millimetres
@@ -39,7 +40,15 @@ def buildable(model: Placed) -> Placed:
             off = 1000 * _apart(placed.vault, vault)
             why = f"off the fitted {vault.title}, which cannot be built just so"
             notes.append(Note("nudged", f"{which}: its body is up to {off:.2g} mm {why}"))
-        return replace(placed, vault=vault)
+        placed = replace(placed, vault=vault)
+        try:
+            for surface in model.surfaces(placed):
+                solid_of(vault, thickness, surface)
+        except ValueError as error:
+            assert isinstance(placed, FittedVault)  # of others there are ideal bodies alone, which were built
+            notes.append(Note("ideal", f"{which}: files have its ideal body alone, for {error}"))
+            placed = replace(placed, surface=None)
+        return placed
 
     several = len(model.vaults) > 1
     vaults = tuple(built(placed, f"vault {k}" if several else "vault") for k, placed in enumerate(model.vaults, 1))

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from families.solid.mesh import Mesh
-from vaultcad.export.geometry import Floats, Triangles, shell
+from vaultcad.displacement import Displacement
+from vaultcad.export.as_built import names_of, shell_of
+from vaultcad.export.geometry import Floats, Triangles
 from vaultcad.export.palette import Colour, colour
 from vaultcad.model import Assembly, PlacedVault
 
@@ -21,7 +23,10 @@ Y_UP = np.array([[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]], dtype
 
 
 def write_glb(model: Assembly, path: Path) -> None:
-    """Write vaults and arches; where there are several, nodes begin with their number and label."""
+    """Write vaults and arches; where there are several, nodes begin with their number and label.
+
+    Those of the stone as it stands have "as built/" before their component.
+    """
     import trimesh
 
     scene = trimesh.Scene()
@@ -31,16 +36,20 @@ def write_glb(model: Assembly, path: Path) -> None:
     ]
     named += [(f"arch {k} {arch.label}".rstrip() + "/", arch) for k, arch in enumerate(model.arches, 1)]
     for prefix, placed in named:
-        for name, part in _parts(placed, model.thickness_of(placed)):
-            scene.add_geometry(part, node_name=prefix + name, geom_name=prefix + name)
+        for more, surface in names_of(model, placed):
+            within = f"{prefix}{more}/" if more else prefix
+            for name, part in _parts(placed, model.thickness_of(placed), surface):
+                scene.add_geometry(part, node_name=within + name, geom_name=within + name)
     scene.metadata["origin"] = model.origin.tolist()  # becomes the extras of the scene
     scene.metadata["crs"] = None if model.crs is None else model.crs.title
     path.write_bytes(scene.export(file_type="glb", include_normals=True))
 
 
-def _parts(placed: PlacedVault, thickness: float) -> Iterator[tuple[str, trimesh.Trimesh]]:
+def _parts(
+    placed: PlacedVault, thickness: float, surface: Displacement | None
+) -> Iterator[tuple[str, trimesh.Trimesh]]:
     """Intrados by component, with smooth normals; then the rest of the stone, with those of its triangles."""
-    mesh, names = shell(placed.vault, thickness), placed.vault.components
+    mesh, names = shell_of(placed.vault, thickness, surface), placed.vault.components
     place = Y_UP @ placed.pose.placement()
     for k, name in enumerate(names, 1):
         patch = mesh.component == k

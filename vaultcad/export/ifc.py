@@ -2,7 +2,8 @@
 
 Components are slabs of type ROOF because that is how IFC decomposes a roof, and what Revit, ArchiCAD and Bonsai show
 and schedule as one; a vault's web has no entity of its own. Bodies are triangulated: exact B-Rep in IFC is read wrong
-by too many programs, and STEP carries it.
+by too many programs, and STEP carries it. The stone as it stands is a second representation, "AsBuilt", in a context
+of its own, so that nothing is counted twice and programs that know only "Body" show one of both.
 """
 
 from __future__ import annotations
@@ -10,12 +11,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from segmentation.io.stamp import stamp
-from vaultcad.export.geometry import Body, bodies
+from vaultcad.export.geometry import Body
 from vaultcad.export.ifc_arch import member, type_members
 from vaultcad.export.ifc_author import Author, Entity
+from vaultcad.export.ifc_bodies import as_built, shapes
 from vaultcad.export.ifc_places import on_storey, rooms, spatial_structure
 from vaultcad.export.ifc_properties import common, deviation, load_bearing, masonry, parameters
-from vaultcad.export.palette import colour
 from vaultcad.measure.building import Building, building_of
 from vaultcad.model import Assembly, Component, FittedVault, PlacedVault
 
@@ -113,9 +114,10 @@ def _roof(author: Author, placed: PlacedVault, key: str, name: str, storey: Enti
         Tag=vault.id,
         PredefinedType=vault.roof_type,
     )
-    pieces = bodies(vault, thickness)
+    drawn = list(shapes(author, placed, model))
+    pieces = [body for body, _ in drawn]
     facts = {component.name: component for component in fitted.components} if fitted else {}
-    slabs = [_slab(author, key, body, place, facts.get(body.name), thickness) for body in pieces]
+    slabs = [_slab(author, key, body, shape, place, facts.get(body.name), thickness) for body, shape in drawn]
     author.relate("IfcRelAggregates", f"{key} of", ("RelatingObject", roof), ("RelatedObjects", slabs))
     masonry(author, key, [roof, *slabs], thickness)
 
@@ -123,6 +125,8 @@ def _roof(author: Author, placed: PlacedVault, key: str, name: str, storey: Enti
     author.properties(roof, "VaultCAD_Parameters", parameters(author, placed))
     if fitted:
         author.properties(roof, "VaultCAD_Deviation", deviation(author, fitted.deviation, fitted.coverage))
+        if fitted.surface is not None:
+            author.properties(roof, "VaultCAD_AsBuilt", as_built(author, fitted, model))
     area = sum(body.intrados_area for body in pieces)
     areas = {"GrossArea": (area, "m2"), "NetArea": (area, "m2"), "ProjectedArea": (vault.plan.area, "m2")}
     author.quantities(roof, "Qto_RoofBaseQuantities", areas)
@@ -130,7 +134,15 @@ def _roof(author: Author, placed: PlacedVault, key: str, name: str, storey: Enti
     return roof
 
 
-def _slab(author: Author, key: str, body: Body, place: Entity, component: Component | None, thickness: float) -> Entity:
+def _slab(
+    author: Author,
+    key: str,
+    body: Body,
+    shape: Entity,
+    place: Entity,
+    component: Component | None,
+    thickness: float,
+) -> Entity:
     slab = author.root(
         "IfcSlab",
         f"{key}/{body.name}",
@@ -138,7 +150,7 @@ def _slab(author: Author, key: str, body: Body, place: Entity, component: Compon
         Description=f"component {body.id} of segments.laz",
         ObjectType=body.name.split("_")[0],
         ObjectPlacement=author.placed(place),
-        Representation=author.body(body.vertices, body.triangles, colour(body.id)),
+        Representation=shape,
         Tag=str(body.id),
         PredefinedType="ROOF",
     )
@@ -146,6 +158,9 @@ def _slab(author: Author, key: str, body: Body, place: Entity, component: Compon
     if component is not None and component.deviation is not None:
         rows = deviation(author, component.deviation, component.coverage, component.points)
         author.properties(slab, "VaultCAD_Deviation", rows)
+    if component is not None and component.as_built is not None:
+        rows = deviation(author, component.as_built, component.coverage, component.points)
+        author.properties(slab, "VaultCAD_AsBuilt", rows)
     author.quantities(
         slab,
         "Qto_SlabBaseQuantities",

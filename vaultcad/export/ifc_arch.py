@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from vaultcad.export.geometry import bodies
 from vaultcad.export.ifc_author import Author, Entity
+from vaultcad.export.ifc_bodies import as_built, shapes
 from vaultcad.export.ifc_places import on_storey
 from vaultcad.export.ifc_properties import Row, common, deviation, load_bearing, masonry, parameters
-from vaultcad.export.palette import colour
 from vaultcad.measure.arcs import arcs_of
 from vaultcad.measure.setting_out import setting_out
 from vaultcad.model import Assembly, FittedArch, PlacedVault
@@ -19,8 +18,7 @@ KIND = "ARCH"  # IfcMemberTypeEnum of IFC4 has none for arches
 def member(author: Author, arch: PlacedVault, number: int, storey: Entity, model: Assembly) -> Entity:
     """An IfcMember for an arch: its ring, as deep as it was measured and as long as the arch is wide."""
     key, vault, thickness = f"arch {number}", arch.vault, model.thickness_of(arch)
-    pieces = bodies(vault, thickness)
-    (body,) = pieces
+    ((body, shape),) = shapes(author, arch, model, coloured=False)
     made = author.root(
         "IfcMember",
         key,
@@ -28,7 +26,7 @@ def member(author: Author, arch: PlacedVault, number: int, storey: Entity, model
         Description=f"arch {number} of segments.laz" if isinstance(arch, FittedArch) else None,
         ObjectType=KIND,
         ObjectPlacement=on_storey(author, storey, arch),
-        Representation=author.body(body.vertices, body.triangles, colour(0)),
+        Representation=shape,
         Tag=str(number),
         PredefinedType="USERDEFINED",
     )
@@ -39,6 +37,8 @@ def member(author: Author, arch: PlacedVault, number: int, storey: Entity, model
     if isinstance(arch, FittedArch):
         author.properties(made, "VaultCAD_Arch", _arch(author, arch))
         author.properties(made, "VaultCAD_Deviation", deviation(author, arch.deviation, arch.coverage))
+        if arch.surface is not None:
+            author.properties(made, "VaultCAD_AsBuilt", as_built(author, arch, model))
     volumes = {"GrossVolume": (body.volume, "m3"), "NetVolume": (body.volume, "m3")}
     author.quantities(made, "Qto_MemberBaseQuantities", volumes)
     return made

@@ -37,6 +37,7 @@ class Author:
         self.seed = seed
         self.axes = self.make("IfcAxis2Placement3D", Location=self.point(0.0, 0.0, 0.0))
         self._styles: dict[Colour, Entity] = {}
+        self._parts: dict[str, Entity] = {}
         self._units()
         self._contexts()
 
@@ -75,21 +76,30 @@ class Author:
             axes = self.make("IfcAxis2Placement3D", Location=self.point(*matrix[:3, 3]), Axis=z, RefDirection=x)
         return self.make("IfcLocalPlacement", PlacementRelTo=parent, RelativePlacement=axes)
 
-    def body(self, vertices: NDArray[np.float64], triangles: NDArray[np.integer], colour: Colour) -> Entity:
-        """Shape of a product: a closed triangulated body, vertices (n, 3) [m], triangles (m, 3) turned outwards."""
+    def shape(self, *representations: Entity) -> Entity:
+        """Shape of a product."""
+        return self.make("IfcProductDefinitionShape", Representations=representations)
+
+    def body(
+        self,
+        vertices: NDArray[np.float64],
+        triangles: NDArray[np.integer],
+        colour: Colour,
+        identifier: str = "Body",
+    ) -> Entity:
+        """Representation: a closed triangulated body, vertices (n, 3) [m], triangles (m, 3) turned outwards."""
         points = self.make("IfcCartesianPointList3D", CoordList=(np.round(vertices, DECIMALS) + 0.0).tolist())
         faces = self.make(
             "IfcTriangulatedFaceSet", Coordinates=points, Closed=True, CoordIndex=(triangles + 1).tolist()
         )
         self.make("IfcStyledItem", Item=faces, Styles=(self._style(colour),))
-        shape = self.make(
+        return self.make(
             "IfcShapeRepresentation",
-            ContextOfItems=self.body_context,
-            RepresentationIdentifier="Body",
+            ContextOfItems=self._context_of(identifier, "MODEL_VIEW"),
+            RepresentationIdentifier=identifier,
             RepresentationType="Tessellation",
             Items=(faces,),
         )
-        return self.make("IfcProductDefinitionShape", Representations=(shape,))
 
     def footprint(self, rows: Iterable[NDArray[np.float64]]) -> Entity:
         """Shape of a place: closed rows of points (n, 3) [m]."""
@@ -99,12 +109,12 @@ class Author:
             lines.append(self.make("IfcPolyline", Points=(*corners, corners[0])))
         shape = self.make(
             "IfcShapeRepresentation",
-            ContextOfItems=self.footprint_context,
+            ContextOfItems=self._context_of("FootPrint", "PLAN_VIEW"),
             RepresentationIdentifier="FootPrint",
             RepresentationType="GeometricCurveSet",
             Items=(self.make("IfcGeometricCurveSet", Elements=lines),),
         )
-        return self.make("IfcProductDefinitionShape", Representations=(shape,))
+        return self.shape(shape)
 
     def value(self, value: bool | int | float | str, unit: str = "1") -> Entity:
         """A typed value: text and truth by themselves, numbers by their unit."""
@@ -190,14 +200,17 @@ class Author:
             Precision=1e-6,
             WorldCoordinateSystem=self.axes,
         )
-        self.body_context = self._context_of("Body", "MODEL_VIEW")
-        self.footprint_context = self._context_of("FootPrint", "PLAN_VIEW")
+        for identifier, view in (("Body", "MODEL_VIEW"), ("FootPrint", "PLAN_VIEW")):
+            self._context_of(identifier, view)
 
     def _context_of(self, identifier: str, view: str) -> Entity:
-        return self.make(
-            "IfcGeometricRepresentationSubContext",
-            ContextIdentifier=identifier,
-            ContextType="Model",
-            ParentContext=self.context,
-            TargetView=view,
-        )
+        """The part of the context that representations of one kind are in."""
+        if identifier not in self._parts:
+            self._parts[identifier] = self.make(
+                "IfcGeometricRepresentationSubContext",
+                ContextIdentifier=identifier,
+                ContextType="Model",
+                ParentContext=self.context,
+                TargetView=view,
+            )
+        return self._parts[identifier]

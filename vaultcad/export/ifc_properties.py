@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isfinite
 
 from vaultcad.export.ifc_author import Author, Entity
 from vaultcad.model import Deviation, FittedVault, PlacedVault
@@ -59,11 +60,15 @@ def deviation(author: Author, found: Deviation, coverage: float, points: int | N
         yield "points", author.value(int(points)), "points of the scan on this component"
     for name, meaning in (
         ("mean", "mean distance of the points to the model"),
+        ("signed_mean", "the same with signs, positive into the stone"),
+        ("median", "half of the points lie nearer"),
         ("rms", "root mean square of the distances"),
         ("p95", "95 % of the points lie nearer"),
         ("max", "largest distance"),
     ):
-        yield name, author.value(float(getattr(found, name)), "m"), meaning
+        value = float(getattr(found, name))
+        if isfinite(value):
+            yield name, author.value(value, "m"), meaning
     for limit, share in sorted(found.within.items()):
         yield f"within_{1000 * limit:g}mm", author.value(float(share), "share"), "share of points not farther"
     yield "loa", author.value(found.loa), "USIBD level of accuracy"

@@ -25,6 +25,7 @@ from vaultcad.export.report_building import building_page
 from vaultcad.export.report_json import in_shown_unit, plain
 from vaultcad.export.report_text import FILES, STYLE, TERMS
 from vaultcad.export.seen import Seen, seen
+from vaultcad.export.unrolled_map import unrolled_map
 from vaultcad.export.viewer.embed import viewer_section, viewer_style
 from vaultcad.measure.building import building_of
 from vaultcad.model import FLAGS, Component, Deviation, Estimate, FittedVault, Model
@@ -121,7 +122,7 @@ def _deviation(one: Seen) -> str:
         caption = f"Distances of the vault's points to the ideal model: {CONVENTION}"
         chart = histogram(one.deviation[one.on], one.limit)
         shown = f"<figure>{chart}<figcaption>{escape(caption)}</figcaption></figure>"
-        shown += f"<div class='map'>{drawn([deviations(one)])}</div>"
+        shown += f"<div class='map'>{drawn([deviations(one), unrolled_map(one)])}</div>"
     return f"{html_table(head, cells, numbers=slice(1, 5), long=(0,))}<p></p>{shown}"
 
 

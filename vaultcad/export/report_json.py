@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from segmentation.units import unit_of
 from vaultcad.measure.arcs import arcs_of, springing_of
 from vaultcad.measure.building import Building, building_of, letters
+from vaultcad.measure.routes import apart
 from vaultcad.measure.setting_out import RULES, setting_out
 from vaultcad.model import (
     Component,
@@ -145,6 +146,7 @@ def arch(one: FittedArch, number: int, model: Model) -> dict[str, Any]:
         "confidence": _number(one.confidence),
         "converged": one.converged,
         "deviation": _deviation(one.deviation),
+        "as_built": _as_built(one),
         "coverage": _number(one.coverage),
         "tolerance": _number(round(one.tolerance, 4)),
     }
@@ -174,7 +176,7 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "parameters": {name: _estimate(value) for name, value in fitted.parameters.items()},
         "components": [_component(c) for c in fitted.components],
         "deviation": _deviation(fitted.deviation),
-        "as_built": None if fitted.as_built is None else {"deviation": _deviation(fitted.as_built)},
+        "as_built": _as_built(fitted),
         "coverage": _number(fitted.coverage),
         "tolerance": _number(round(fitted.tolerance, 4)),
     }
@@ -250,13 +252,24 @@ def _component(component: Component) -> dict[str, Any]:
         "name": component.name,
         "points": int(component.points),
         "deviation": None if component.deviation is None else _deviation(component.deviation),
+        "as_built": None if component.as_built is None else {"deviation": _deviation(component.as_built)},
         "coverage": _number(component.coverage),
     }
+
+
+def _as_built(fitted: FittedVault) -> dict[str, Any] | None:
+    """Distances of the points to the as-built surface, and of that to the ideal one."""
+    if fitted.as_built is None:
+        return None
+    told = {"deviation": _deviation(fitted.as_built)}
+    return told if fitted.surface is None else told | {"from_ideal": _deviation(apart(fitted.vault, fitted.surface))}
 
 
 def _deviation(deviation: Deviation) -> dict[str, Any]:
     return {
         "mean": _number(deviation.mean),
+        "signed_mean": _number(deviation.signed_mean),
+        "median": _number(deviation.median),
         "rms": _number(deviation.rms),
         "p95": _number(deviation.p95),
         "max": _number(deviation.max),

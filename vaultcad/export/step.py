@@ -1,4 +1,4 @@
-"""STEP (AP214, mm): the exact masonry of each vault, its faces named and coloured by component."""
+"""STEP (AP214, mm): the exact masonry of each vault, ideal and as built, its faces named and coloured by component."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 from families.declaration.units import MM
 from segmentation.io.stamp import stamp
 from segmentation.temporary import announce
+from vaultcad.displacement import Displacement
 from vaultcad.errors import ExportError
-from vaultcad.export.geometry import masonry
+from vaultcad.export.as_built import names_of, solid_of
 from vaultcad.export.palette import Colour, colour
 from vaultcad.export.part21 import encoded, in_order, unbroken
 from vaultcad.legible import legible
@@ -31,7 +32,9 @@ SETTINGS = {"write.step.schema": "AP214IS", "write.step.unit": "MM"}
 
 
 def write_step(model: Assembly, path: Path) -> None:
-    """Write an assembly named after the scan, of one solid a vault or arch, placed by its pose relative to the origin.
+    """Write an assembly named after the scan, of the solids of each vault or arch that `model.drawn` asks for.
+
+    They are placed by the vault's pose relative to the origin; that of the stone is named after the ideal one.
 
     Raises:
         ExportError: no vault has a solid, or the translator failed.
@@ -52,9 +55,10 @@ def write_step(model: Assembly, path: Path) -> None:
     names = [model.scan.stem]
     _name(assembly, _stand_in(0))
     for name, placed in parts:
-        part = _part(shapes, document.Main(), placed, model.thickness_of(placed), _stand_in(len(names)))
-        _name(shapes.AddComponent(assembly, part, _location(placed.pose)), _stand_in(len(names)))
-        names.append(name)
+        for more, surface in names_of(model, placed):
+            part = _part(shapes, document.Main(), placed, model.thickness_of(placed), surface, _stand_in(len(names)))
+            _name(shapes.AddComponent(assembly, part, _location(placed.pose)), _stand_in(len(names)))
+            names.append(f"{name} {more}".rstrip())
     shapes.UpdateAssemblies()
 
     STEPCAFControl_Controller.Init_s()
@@ -87,17 +91,26 @@ def _named(model: Assembly) -> Iterator[tuple[str, PlacedVault]]:
         yield arch.label or f"arch {k}", arch
 
 
-def _part(shapes: XCAFDoc_ShapeTool, main: TDF_Label, placed: PlacedVault, thickness: float, name: str) -> TDF_Label:
+def _part(
+    shapes: XCAFDoc_ShapeTool,
+    main: TDF_Label,
+    placed: PlacedVault,
+    thickness: float,
+    surface: Displacement | None,
+    name: str,
+) -> TDF_Label:
     from OCP.XCAFDoc import XCAFDoc_ColorSurf, XCAFDoc_DocumentTool
 
     from families.solid import brep
+    from families.solid.occ.shapes import faces
 
-    vault, solid = placed.vault, _solid(masonry(placed.vault, thickness))
+    vault, solid = placed.vault, _solid(solid_of(placed.vault, thickness, surface))
+    shown = brep.face_names(solid_of(vault, thickness, None), vault)  # displaced faces are in the order of these
     colours = XCAFDoc_DocumentTool.ColorTool_s(main)
     part = shapes.AddShape(solid, False)
     _name(part, name)
     colours.SetColor(part, _rgb(colour(0)), XCAFDoc_ColorSurf)
-    for face, component in brep.face_names(solid, vault):
+    for face, (_, component) in zip(faces(solid), shown, strict=True):
         label = shapes.AddSubShape(part, face)
         _name(label, component)
         if component in vault.components:

@@ -5,35 +5,17 @@ It is the same for all components, so that edges they share stay shared.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
+
+from vaultcad.cubic_grid import basis
+from vaultcad.displacement import RESOLUTION, Displacement
 
 Array = NDArray[np.float64]
 
 KNOTS = 0.9  # m, least distance of the knots: a settlement is smoother, a stone or a joint is not the vault's shape
 MOST_SPANS = 9  # spans of knots along an axis at the most
 SMOOTH = 0.02  # weight of the second differences of the coefficients against one point a knot
-
-
-@dataclass(frozen=True)
-class Displacement:
-    """Vector field u [m] as a tensor product of uniform cubic B-splines (de Boor 1978).
-
-    low: (3,) corner of the first span [m]. step: (3,) of the knots [m]. coefficients: (nx, ny, nz, 3) [m].
-    """
-
-    low: Array
-    step: Array
-    coefficients: Array
-
-    def __call__(self, points: Array) -> Array:
-        """Displacements (n, 3) [m] of points (n, 3); constant beyond the box."""
-        index, weight = _basis(points, self.low, self.step, self.coefficients.shape[:3])
-        flat = self.coefficients.reshape(-1, 3)
-        out: Array = np.einsum("nk,nkc->nc", weight, flat[index])
-        return out
 
 
 def displacement(points: Array, normals: Array, distances: Array) -> Displacement:
@@ -49,8 +31,9 @@ def displacement(points: Array, normals: Array, distances: Array) -> Displacemen
     low, high = points.min(axis=0), points.max(axis=0)
     spans = np.clip(np.floor((high - low) / KNOTS), 1, MOST_SPANS).astype(int)
     step = np.maximum((high - low) / spans, 1e-6)
-    shape = tuple((spans + 3).tolist())
-    index, weight = _basis(points, low, step, shape)
+    low = low - step  # a coefficient more on each side than there are knots within
+    nx, ny, nz = shape = tuple((spans + 3).tolist())
+    index, weight = basis(np.ascontiguousarray(points), low, step, (nx, ny, nz))
     count = int(np.prod(shape))
     normal_matrix, right = np.zeros((3 * count, 3 * count)), np.zeros(3 * count)
     _accumulate(index, weight, normals, distances, count, normal_matrix, right)
@@ -62,21 +45,8 @@ def displacement(points: Array, normals: Array, distances: Array) -> Displacemen
     from scipy.linalg import solve
 
     flat = solve(normal_matrix, right, assume_a="pos")
-    return Displacement(low, step, flat.reshape(3, *shape).transpose(1, 2, 3, 0))
-
-
-def _basis(points: Array, low: Array, step: Array, shape: tuple[int, ...]) -> tuple[NDArray[np.int64], Array]:
-    """Of each point the 64 coefficients (n, 64) that reach it, and their weights (n, 64)."""
-    t = (points - low) / step
-    cell = np.clip(np.floor(t).astype(np.int64), 0, np.array(shape) - 4)
-    f = np.clip(t - cell, 0.0, 1.0)
-    w = np.stack([(1 - f) ** 3, 3 * f**3 - 6 * f**2 + 4, -3 * f**3 + 3 * f**2 + 3 * f + 1, f**3], axis=-1) / 6
-    k = np.arange(4)
-    x, y, z = (cell[:, axis, None] + k for axis in range(3))
-    index = (x[:, :, None, None] * shape[1] + y[:, None, :, None]) * shape[2] + z[:, None, None, :]
-    weight = w[:, 0, :, None, None] * w[:, 1, None, :, None] * w[:, 2, None, None, :]
-    n = len(points)
-    return index.reshape(n, 64), weight.reshape(n, 64)
+    kept = np.rint(flat / RESOLUTION) * RESOLUTION + 0.0  # as files keep it, so that it is the same when it is read
+    return Displacement(low, step, kept.reshape(3, *shape).transpose(1, 2, 3, 0))
 
 
 def _accumulate(

@@ -17,14 +17,15 @@ def level_of_accuracy(limit: float) -> str:
 
 
 def summarise(distances: NDArray[np.floating]) -> Deviation:
-    """Of distances (n,) [m], signed or not.
+    """Of distances (n,) [m], positive into the stone, or without a sign.
 
     Raises:
         ValueError: there are none.
     """
     if len(distances) == 0:
         raise ValueError("no points to take a deviation of")
-    d = np.abs(np.asarray(distances, dtype=np.float64))
+    signed = np.asarray(distances, dtype=np.float64)
+    d = np.abs(signed)
     p95 = float(np.quantile(d, 0.95))
     return Deviation(
         mean=float(d.mean()),
@@ -33,4 +34,6 @@ def summarise(distances: NDArray[np.floating]) -> Deviation:
         max=float(d.max()),
         within={limit: float((d <= limit).mean()) for limit in LIMITS},
         loa=level_of_accuracy(p95),
+        median=float(np.median(d)),
+        signed_mean=float(signed.mean()),
     )

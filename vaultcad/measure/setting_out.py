@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import exp, hypot, pi, sqrt
+from typing import NamedTuple
 
 from families import PROFILES, Profile
 from families.declaration.profiles import BasketHandle, Elliptical, Pointed, Segmental, Semicircular, Stilted
@@ -68,31 +69,44 @@ SET_OUT = 0.75  # chance that an arch follows a rule of its kind that stands her
 CARE = 0.008  # standard deviation by which masons missed the rise / span that they had in mind
 
 
+class Way(NamedTuple):
+    """How an arch may have been built: chance, kind, its rise / span and the standard deviation of that."""
+
+    chance: float
+    kind: type[Profile]
+    ratio: float
+    std: float
+
+
 def setting_out(arch: FittedVault) -> dict[str, float]:
+    """How likely it is that each rule was followed, see `likely_rules`, of a fitted arch."""
+    return likely_rules(_ways(arch))
+
+
+def likely_rules(ways: Iterable[Way]) -> dict[str, float]:
     """How likely it is that each rule was followed, the likeliest first; `FREE` for what stands here not.
 
     Every kind of arch that it may be of has its own rise / span; what is known of that and of the masons' care says how
     near a rule must be.
     """
-    known = arch.numbers().get("rise_ratio")
-    spread = hypot(CARE, (known.std if known is not None else None) or 0.0)
     chances: dict[str, float] = {}
-    for chance, kind, ratio in _ways(arch):
-        likely = _likely(kind, ratio, spread)
+    for way in ways:
+        likely = _likely(way.kind, way.ratio, hypot(CARE, way.std))
         for name, weight in likely.items():
-            chances[name] = chances.get(name, 0.0) + chance * weight / sum(likely.values())
+            chances[name] = chances.get(name, 0.0) + way.chance * weight / sum(likely.values())
     whole = sum(chances.values())
     return {name: chances[name] / whole for name in sorted(chances, key=lambda name: (-chances[name], name))}
 
 
-def _ways(arch: FittedVault) -> Iterator[tuple[float, type[Profile], float]]:
-    """How it may have been built: chance, kind of arch, rise / span."""
+def _ways(arch: FittedVault) -> Iterator[Way]:
+    known = arch.numbers().get("rise_ratio")
+    std = (known.std if known is not None else None) or 0.0
     kinds = {kind.id: kind for kind in PROFILES}
     for rival in arch.rivals:
-        yield rival.chance, kinds[rival.profiles["profile"]], rival.sizes["rise"] / rival.sizes["span"]
+        yield Way(rival.chance, kinds[rival.profiles["profile"]], rival.sizes["rise"] / rival.sizes["span"], std)
     if not arch.rivals:
         profile = arch.vault.profiles["profile"]
-        yield 1.0, type(profile), profile.rise(0.5)
+        yield Way(1.0, type(profile), profile.rise(0.5), std)
 
 
 def _likely(kind: type[Profile], ratio: float, spread: float) -> dict[str, float]:

@@ -1,0 +1,50 @@
+"""The files of sections, by their names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from families.drawing.svg import document
+from vaultcad.export.section_drawing import section_drawing
+from vaultcad.export.section_dxf import write_section_dxf
+from vaultcad.export.section_json import write_section_json
+from vaultcad.model import Model
+from vaultcad.sections.section import Section
+
+WRITERS: dict[str, Callable[[Model, Sequence[Section], Path], None]] = {
+    "sections.json": write_section_json,
+    "sections.dxf": write_section_dxf,
+}
+PIXELS = 120.0  # of drawings, a metre
+UNDER_TITLE = 0.95  # of the height of pictures
+INCH = 100.0  # pixels of one, in pictures
+
+
+def drawn_names(sections: Sequence[Section], suffix: str) -> list[str]:
+    """Of the drawings, one a section."""
+    return [f"{section.id}{suffix}" for section in sections]
+
+
+def write_drawings(sections: Sequence[Section], folder: Path, *, pictures: bool) -> None:
+    """Write each section as SVG, and as PNG too where pictures are wanted."""
+    for section, svg, png in zip(sections, drawn_names(sections, ".svg"), drawn_names(sections, ".png"), strict=True):
+        drawing = section_drawing(section)
+        (folder / svg).write_text(document(drawing, PIXELS), encoding="utf-8")
+        if pictures:
+            write_png(section, folder / png)
+
+
+def write_png(section: Section, path: Path) -> None:
+    """Write one section as a picture."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    from families.drawing.png import paint
+
+    drawing = section_drawing(section)
+    width, height = (PIXELS * side / INCH for side in drawing.size)
+    figure = Figure(figsize=(width, height), dpi=INCH)
+    paint(figure.add_axes((0, 0, 1, UNDER_TITLE)), drawing)
+    FigureCanvasAgg(figure)
+    figure.savefig(path, metadata={"Software": None})
