@@ -23,11 +23,11 @@ from vaultcad.displacement import Displacement
 from vaultcad.errors import NoVaultError
 from vaultcad.find.arches import FoundArch
 from vaultcad.find.choices import odds, rivals, widened
+from vaultcad.find.findings import Findings, find_vaults
 from vaultcad.find.found import Found
 from vaultcad.find.recognise import confidence
-from vaultcad.find.search import find_vaults
 from vaultcad.fit.demands import demand
-from vaultcad.fit.freedom import RECTANGLE, Demands
+from vaultcad.fit.freedom import RECTANGLE
 from vaultcad.fit.label import ArchBand, Labels, label
 from vaultcad.fit.solve import Placed
 from vaultcad.fit.uncertainty import covariance, open_ends
@@ -40,6 +40,7 @@ from vaultcad.measure.estimates import estimates
 from vaultcad.measure.piers import piers_under
 from vaultcad.model import Component, FittedArch, FittedVault, Model
 from vaultcad.one_thread import one_thread
+from vaultcad.processes import spread
 from vaultcad.survey.lean import lean_of
 from vaultcad.survey.thinned_scan import Site, Thin, thin_scan
 from vaultcad.versions import versions
@@ -118,14 +119,8 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
     with _stage("labelling", seconds, progress):
         labels, thinned = label(xyz, bands, arched), label(thin.points, bands, arched)
     with _stage("measuring", seconds, progress):
-        scan = _Labelled(xyz, labels, thin, thinned)
-        several = len(cloud.stations) > 1
-        measured = [scan.vault(one, k, rng) for k, one in enumerate(found.vaults, 1)]
-        vaults = tuple(
-            replace(fitted, deformation=_read(one, demands, fitted.surface, several=several))
-            for fitted, one in zip(measured, found.vaults, strict=True)
-        )
-        arches = tuple(scan.arch(one, k, found.vaults, rng) for k, one in enumerate(found.arches, 1))
+        scan = _Labelled(xyz, labels, thin, thinned, demands, len(cloud.stations) > 1)
+        vaults, arches = scan.measured(found, rng)
         piers = piers_under(vaults, arches, thin)
         ceiling, unexplained = account(found.hung, bands, arched)
     if lean is not None:
@@ -191,12 +186,39 @@ def _stage(name: str, seconds: dict[str, float], progress: Progress) -> Iterator
 
 @dataclass(frozen=True)
 class _Labelled:
-    """The scan as it was labelled, and thinned likewise."""
+    """The scan as it was labelled, and thinned likewise; several: whether it is known to be of several stations."""
 
     xyz: NDArray[np.floating]
     labels: Labels
     thin: Thin
     thinned: Labels
+    demands: Demands
+    several: bool
+
+    def measured(
+        self, found: Findings, rng: np.random.Generator
+    ) -> tuple[tuple[FittedVault, ...], tuple[FittedArch, ...]]:
+        """The figures of all vaults and arches.
+
+        Raises:
+            NoVaultError: not one point lies on one of them.
+        """
+        vaults, arches = found.vaults, found.arches
+        rngs = rng.spawn(len(vaults) + len(arches))
+
+        def work(k: int) -> FittedVault:
+            if k < len(vaults):
+                fitted = self.vault(vaults[k], k + 1, rngs[k])
+                return replace(fitted, deformation=self._moved(vaults[k], fitted.surface))
+            return self.arch(arches[k - len(vaults)], k - len(vaults) + 1, vaults, rngs[k])
+
+        figures = list(spread(work, len(rngs)))
+        return tuple(figures[: len(vaults)]), tuple(one for one in figures if isinstance(one, FittedArch))
+
+    def _moved(self, found: Found, surface: Displacement | None) -> Deformation | None:
+        """How a vault seems to have moved since it was built."""
+        registration = REGISTRATION if self.several else 0.0
+        return read_deformation(found.refined, found.choices, self.demands, surface, registration=registration)
 
     def vault(self, found: Found, number: int, rng: np.random.Generator) -> FittedVault:
         """The figures of the vault with that number.
@@ -281,12 +303,6 @@ def _measured(
         rivals=rivals(found.choices, placed),
         doubt=found.misfit.reason,
     )
-
-
-def _read(found: Found, demands: Demands, surface: Displacement | None, *, several: bool) -> Deformation | None:
-    """How a vault seems to have moved; several: whether the scan is known to be of more than one station."""
-    registration = REGISTRATION if several else 0.0
-    return read_deformation(found.refined, found.choices, demands, surface, registration=registration)
 
 
 def _open_ends(site: Site, placed: Placed) -> tuple[float, float]:

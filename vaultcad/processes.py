@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
 
 T = TypeVar("T")
+
+LOG = logging.getLogger(__name__)
 
 FORKS = sys.platform == "linux"  # elsewhere a process starts from nothing, and takes as long as a bay
 PARENT_DIES = 1  # PR_SET_PDEATHSIG of prctl(2)
@@ -18,17 +22,26 @@ _work: Callable[[int], Any] | None = None
 
 
 def spread(work: Callable[[int], T], count: int) -> Iterator[T]:
-    """`work(k)` for k from 0 to `count`, in this order, by as many processes as there are cores."""
+    """`work(k)` for k from 0 to `count`, in this order, by as many processes as there are cores.
+
+    Where one of them is killed, as a system does that runs out of memory, this process does the rest alone.
+    """
     global _work  # noqa: PLW0603  processes that are forked find here what cannot be sent to them
     cores = len(os.sched_getaffinity(0)) if FORKS else 1
     if min(cores, count) < 2 or _work is not None:
         yield from map(work, range(count))
         return
-    _work = work
+    done, _work = 0, work
     try:
         context = multiprocessing.get_context("fork")
-        with ProcessPoolExecutor(min(cores, count), mp_context=context, initializer=_begin) as pool:
-            yield from pool.map(_do, range(count))
+        try:
+            with ProcessPoolExecutor(min(cores, count), mp_context=context, initializer=_begin) as pool:
+                for result in pool.map(_do, range(count)):
+                    done += 1
+                    yield result
+        except BrokenProcessPool:
+            LOG.warning("a process was killed, perhaps for want of memory: the rest is done by one, which takes longer")
+            yield from map(work, range(done, count))
     finally:
         _work = None
 

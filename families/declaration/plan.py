@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from itertools import pairwise
 from math import atan2, cos, hypot, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
+
+from families.declaration.once import Once
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float]
@@ -42,14 +44,14 @@ class Side:
         assert self.centre is not None
         return hypot(self.start[0] - self.centre[0], self.start[1] - self.centre[1])
 
-    @cached_property
+    @Once
     def normal(self) -> Vector:
         """Unit normal of a straight side, out of the plan."""
         x, y = self.end[0] - self.start[0], self.end[1] - self.start[1]
         size = hypot(x, y)
         return y / size, -x / size
 
-    @cached_property
+    @Once
     def offset(self) -> float:
         """Distance [m] of a straight side from the origin, along its normal."""
         x, y = self.normal
@@ -117,7 +119,7 @@ class Plan:
     def rectangle(half_x: float, half_y: float, on_wall_x: bool = False, on_wall_y: bool = False) -> Plan:
         """By half extents [m]: sides south, east, north, west; `on_wall_x` speaks of those at the ends of x."""
         corners = ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y))
-        plan = Plan.polygon(corners, (on_wall_y, on_wall_x, on_wall_y, on_wall_x))
+        plan = Plan(_straight(corners, (on_wall_y, on_wall_x, on_wall_y, on_wall_x)))
         # What follows from the sides is known beforehand: an optimiser waits for thousands of them.
         table = BOX_TABLE.copy()
         table[:, REACH] = half_y, half_x, half_y, half_x
@@ -126,11 +128,11 @@ class Plan:
         return plan
 
     @staticmethod
+    @lru_cache(maxsize=64)
     def polygon(corners: tuple[Vector, ...], on_wall: tuple[bool, ...] | bool = False) -> Plan:
         """By its corners [m], counterclockwise; a flag for the side from each corner to the next, or one for all."""
         flags = on_wall if isinstance(on_wall, tuple) else (on_wall,) * len(corners)
-        ends = (*corners[1:], corners[0])
-        return Plan(tuple(Side(*side) for side in zip(corners, ends, flags, strict=True)))
+        return Plan(_straight(corners, flags))
 
     @staticmethod
     def disc(radius: float, on_wall: bool = False) -> Plan:
@@ -166,7 +168,7 @@ class Plan:
         """Where sides begin (n, 2) [m]."""
         return np.array([side.start for side in self.sides])
 
-    @cached_property
+    @Once
     def half(self) -> Array:
         """(2,) half extents [m] of the rectangle about the origin, along x and y, that holds the plan."""
         ends = [point for side in self.sides for point in side.outermost]
@@ -210,7 +212,7 @@ class Plan:
         """Whether the stone may stand on a wall at the ends of y."""
         return any(side.on_wall and (side.centre is not None or abs(side.normal[1]) > 0.5) for side in self.sides)
 
-    @cached_property
+    @Once
     def table(self) -> Array:
         """Its sides as numbers (n, 5), for compiled code."""
         rows: list[tuple[float, ...]] = []
@@ -239,7 +241,7 @@ class Plan:
         )
         return replace(self, sides=tuple(sides))
 
-    @cached_property
+    @Once
     def axes(self) -> tuple[Axis, Axis]:
         """Those of the barrels over four walls: between west and east, and between south and north."""
         return self._axis(1), self._axis(2)
@@ -259,7 +261,7 @@ class Plan:
         splay = (ax * cy - ay * cx) / (ax * cx + ay * cy) / half
         return Axis((x, y), (cx, cy), half, splay + 0.0, (ends[1] - ends[0]) / 2)
 
-    @cached_property
+    @Once
     def box(self) -> tuple[Array, Array]:
         """The lower and the upper corner (2,) [m] of what it covers."""
         ends = np.array([point for side in self.sides for point in side.outermost])
@@ -372,6 +374,12 @@ def _is_box(rows: list[tuple[float, ...]]) -> bool:
     if len(rows) != 4 or rows[0][:2] != (0.0, -1.0) or rows[1][:2] != (1.0, 0.0):
         return False
     return rows[2][:3] == (0.0, 1.0, rows[0][REACH]) and rows[3][:3] == (-1.0, 0.0, rows[1][REACH])
+
+
+def _straight(corners: tuple[Vector, ...], on_wall: tuple[bool, ...]) -> tuple[Side, ...]:
+    """From each corner to the next."""
+    ends = (*corners[1:], corners[0])
+    return tuple(Side(*side) for side in zip(corners, ends, on_wall, strict=True))
 
 
 def _circle(radius: float, on_wall: bool, inside: bool) -> tuple[Side, ...]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.footprint import SECTOR, Footprint
+from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Turned
 from families.declaration.plan import Plan, Vector
@@ -72,7 +73,7 @@ class Annular(Vault):
         lowest = self.radius + (-self.span / 2 if half < pi / 2 else self.span / 2)
         return 0.0, -(self.radius + self.span / 2 + lowest * cos(half)) / 2
 
-    @property
+    @Once
     def plan(self) -> Plan:
         """A sector of a ring; its ends are open."""
         return Plan.sector(self.radius - self.span / 2, self.radius + self.span / 2, self.angle, on_wall=True).moved(

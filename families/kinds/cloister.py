@@ -12,6 +12,7 @@ import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.footprint import CORNERED, POLYGON, Footprint
+from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ball, BarrelPart, Lid, Piece, cove
 from families.declaration.plan import Plan, Vector
@@ -110,7 +111,7 @@ class Cloister(Vault):
 
         return Plan.polygon(tuple(corner(k) for k in range(n)), True)
 
-    @property
+    @Once
     def plan(self) -> Plan:
         """The polygon, on its walls; the square of the crossing."""
         return Plan.rectangle(self.radius, self.radius) if self.crossing else self.polygon

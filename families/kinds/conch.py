@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 
 from families.declaration.footprint import HALF_DISC, Footprint
+from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Turned
 from families.declaration.plan import Plan, Vector
@@ -58,7 +59,7 @@ class Conch(Vault):
         """Of the circle: on the open side, half a radius south of the middle of the plan."""
         return 0.0, -self.radius / 2
 
-    @property
+    @Once
     def plan(self) -> Plan:
         """Half a disc, its straight side to the south."""
         return Plan.half_disc(self.radius, on_wall=True).moved(*self._centre)

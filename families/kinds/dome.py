@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from math import asin, degrees, sqrt
 from typing import Annotated, ClassVar, Self
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from families.declaration.constraints import Constraint
 from families.declaration.footprint import Footprint
+from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ball, Lid, Piece, Turned
 from families.declaration.plan import Plan
@@ -99,7 +99,7 @@ class Dome(Vault):
         """Crown of the dome above the springing [m]."""
         return self.ring_height + self.drum_height + self.dome_rise
 
-    @cached_property
+    @Once
     def drum_radius(self) -> float:
         """Radius of drum and dome [m]: as wide as fits between the walls, if these are askew."""
         return min(wall.offset for wall in self.plan.sides)
@@ -109,7 +109,7 @@ class Dome(Vault):
         """Dome, drum if there is one, four pendentives."""
         return ("dome", *(("drum",) if self.drum_ratio else ()), *(f"pendentive_{c}" for c in CORNERS))
 
-    @property
+    @Once
     def plan(self) -> Plan:
         """The square."""
         return self.over(self.radius, self.radius)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from math import hypot
 from typing import Annotated, ClassVar, Self
@@ -13,6 +12,7 @@ import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.footprint import Footprint
+from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.plan import Axis, Plan
@@ -163,12 +163,12 @@ class Groin(Vault):
         """Four webs."""
         return ("web_south", "web_north", "web_west", "web_east")
 
-    @property
+    @Once
     def plan(self) -> Plan:
         """The rectangle of the wall arches."""
         return self.over(self.span_x / 2 + self.offset_x, self.span_y / 2 + self.offset_y)
 
-    @cached_property
+    @Once
     def axes(self) -> tuple[Axis, Axis]:
         """Of the barrel across x and of that across y, between their springings."""
         half_x, half_y = self.span_x / 2, self.span_y / 2
@@ -178,7 +178,7 @@ class Groin(Vault):
     def _farthest(self, axis: Axis) -> float:
         """How far along an axis the farthest corner is [m]: nowhere in the plan is the crown lower than springings."""
         (x, y), (a, b) = axis.origin, axis.across
-        return float(np.abs((self.corners - (x, y)) @ (-b, a)).max())
+        return max(abs(a * (side.start[1] - y) - b * (side.start[0] - x)) for side in self.plan.sides)
 
     def pieces(self) -> tuple[Piece, ...]:
         """Two barrels, both with their axes lifted by as much at the middle."""

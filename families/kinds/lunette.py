@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import product
 from typing import Annotated, ClassVar, Self
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.footprint import Footprint
+from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.plan import Axis, Plan
@@ -119,12 +119,12 @@ class Lunette(Vault):
         """The barrel, then the lunettes in pairs from south to north."""
         return ("barrel", *(f"lunette_{side}_{k + 1}" for k in range(self.count) for side in ("west", "east")))
 
-    @property
+    @Once
     def plan(self) -> Plan:
         """Span by length; the springings stand on the walls."""
         return self.over(self.span / 2, self.length / 2, on_wall_x=True)
 
-    @cached_property
+    @Once
     def axis(self) -> Axis:
         """Of the barrel, between the walls that it stands on."""
         return self.plan.axes[0]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 from math import sqrt
 from typing import Annotated, ClassVar, Self
@@ -13,6 +12,7 @@ import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.footprint import Footprint
+from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ceiling, Piece, cove
 from families.declaration.plan import Plan
@@ -106,12 +106,12 @@ class Mirror(Vault):
         """Four coves and the plane."""
         return (*(f"cove_{name}" for name, _, _ in SIDES), "plane")
 
-    @property
+    @Once
     def plan(self) -> Plan:
         """The rectangle; the stone stands on all four walls."""
         return self.over(self.span_x / 2, self.span_y / 2, on_wall_x=True, on_wall_y=True)
 
-    @cached_property
+    @Once
     def runs(self) -> tuple[float, ...]:
         """Run S of the whole coves on the southern, eastern, northern and western walls [m]."""
         shares = (self.run_y_ratio, self.run_x_ratio) * 2

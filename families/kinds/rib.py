@@ -12,6 +12,7 @@ import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.footprint import Footprint
+from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Plan
@@ -125,7 +126,7 @@ class Rib(Vault):
         """Four webs."""
         return tuple(f"web_{side}" for side in SIDES)
 
-    @property
+    @Once
     def plan(self) -> Plan:
         """The rectangle of the wall arches."""
         return self.over(self.span_x / 2, self.span_y / 2)

@@ -10,6 +10,7 @@ import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.footprint import DISC, Footprint
+from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Turned
 from families.declaration.plan import Plan
@@ -61,7 +62,7 @@ class Rotunda(Vault):
         """Dome, and drum if there is one."""
         return ("dome", "drum") if self.drum_ratio else ("dome",)
 
-    @property
+    @Once
     def plan(self) -> Plan:
         """The circle; the stone stands on the wall."""
         return Plan.disc(self.radius, on_wall=True)

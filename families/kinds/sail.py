@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from families.declaration.constraints import Constraint
 from families.declaration.footprint import Footprint
+from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ball, Piece
 from families.declaration.plan import Plan, Vector
@@ -79,7 +80,7 @@ class Sail(Vault):
         """One."""
         return ("sail",)
 
-    @property
+    @Once
     def plan(self) -> Plan:
         """The rectangle."""
         return self.over(self.span_x / 2, self.span_y / 2)

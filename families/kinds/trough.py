@@ -11,6 +11,7 @@ import numpy as np
 
 from families.declaration.constraints import Constraint
 from families.declaration.footprint import Footprint
+from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece, cove
 from families.declaration.plan import Plan, Side
@@ -84,7 +85,7 @@ class Trough(Vault):
         """Barrel and two heads; four webs if no ridge is left."""
         return ("west", "east", "south", "north") if self.cloister else ("barrel", "south", "north")
 
-    @property
+    @Once
     def plan(self) -> Plan:
         """The rectangle; the stone stands on all four walls."""
         return self.over(self.span_x / 2, self.span_y / 2, on_wall_x=True, on_wall_y=True)

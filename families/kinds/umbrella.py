@@ -11,6 +11,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 
 from families.declaration.footprint import GORED, Footprint
+from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Web
 from families.declaration.plan import Plan
@@ -82,7 +83,7 @@ class Umbrella(Vault):
         """The webs counterclockwise from the east."""
         return tuple(f"web_{k + 1}" for k in range(self.sides))
 
-    @property
+    @Once
     def plan(self) -> Plan:
         """The polygon."""
         step, reach = 2 * pi / self.sides, self._reach

@@ -9,6 +9,7 @@ Positive is in the stone, negative in the room.
 from __future__ import annotations
 
 from math import hypot, inf, sqrt
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -424,7 +425,7 @@ def _name(x: float, y: float, z: float, parts: Array, row: int) -> int:
 def _void(x: float, y: float, z: float, parts: Array) -> tuple[float, int, int, float, float, float]:
     """Signed distance, component, row of the body that decides, and normal of one point in the vault's frame."""
     best, best_name, best_row, bx, by, bz = inf, 0, 0, 0.0, 0.0, 1.0
-    k = 0
+    k: Any = np.int64(0)  # for a literal numba would compile all that takes it once more
     while k < len(parts):
         piece = parts[k, PIECE]
         most, surface, row, last, mx, my, mz = -inf, -inf, -1, k, 0.0, 0.0, 1.0

@@ -70,7 +70,8 @@ def test_a_fit_without_home_and_beside_code_that_is_read_only_says_nothing_of_ca
     environment = {"PATH": os.environ["PATH"], "HOME": NOWHERE, "TMPDIR": str(tmp_path)}
     environment |= {"NUMBA_CACHE_LOCATOR_CLASSES": locator, "PYTHONPATH": os.pathsep.join(sys.path)}
     code = "import sys; from vaultcad.cli import main; sys.exit(main())"
-    command = [sys.executable, "-c", code, "fit", str(ROOM), "-o", str(tmp_path / "out"), "--review"]
+    options = ["-o", str(tmp_path / "out"), "--review", "--family", "groin"]
+    command = [sys.executable, "-c", code, "fit", str(ROOM), *options]
     run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     assert run.stderr.count("\n") == 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 
 import pytest
 
@@ -34,3 +35,17 @@ def test_work_within_work_stays_in_its_process() -> None:
 def test_one_core_does_it_without_processes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(processes, "FORKS", False)
     assert list(spread(lambda k: os.getpid(), 2)) == [os.getpid()] * 2
+
+
+def test_what_a_killed_process_left_is_done_here(caplog: pytest.LogCaptureFixture) -> None:
+    here = os.getpid()
+
+    def work(k: int) -> int:
+        if k == 2 and os.getpid() != here:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return k * k
+
+    assert list(spread(work, 6)) == [0, 1, 4, 9, 16, 25]
+    (told,) = caplog.messages
+    assert "killed" in told
+    assert list(spread(lambda k: k, 3)) == [0, 1, 2]

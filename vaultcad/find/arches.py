@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from families.kinds.barrel import Barrel
 from vaultcad.find.found import Found, likeliest_of, tolerance_of
+from vaultcad.find.likeness import agree, choices_like, starts_like
 from vaultcad.find.recognise import recognise
 from vaultcad.find.refine import refine
 from vaultcad.fit.freedom import Demands
@@ -81,27 +82,43 @@ class FoundArch:
         return min(crowns, key=lambda number: crowns[number], default=0)
 
 
-def find_arch(soffit: Soffit, thin: Thin, hung: Array, rng: np.random.Generator) -> FoundArch:
-    """The arch over a soffit; `hung` (n, 3) [m] are the ceilings.
+def find_arch(
+    soffit: Soffit, thin: Thin, hung: Array, rng: np.random.Generator, like: FoundArch | None = None
+) -> FoundArch:
+    """The arch over a soffit; `hung` (n, 3) [m] are the ceilings, `like` is an arch whose soffit looks like it.
 
     Raises:
         NoVaultError: an arch of no kind comes near.
     """
-    barrel = fitted_soffit(soffit, thin, rng)
+    barrel = fitted_soffit(soffit, thin, rng, None if like is None else like.barrel)
     return FoundArch(soffit, barrel, *_depth(soffit, barrel, hung))
 
 
-def fitted_soffit(soffit: Soffit, thin: Thin, rng: np.random.Generator) -> Found:
-    """The barrel of a soffit, as long as that is wide.
+def fitted_soffit(soffit: Soffit, thin: Thin, rng: np.random.Generator, like: Found | None = None) -> Found:
+    """The barrel of a soffit, as long as that is wide; `like` is one from which it can begin.
 
     Raises:
         NoVaultError: an arch of no kind comes near.
     """
     site = _site(soffit, thin)
     demands = Demands(sizes={"length": soffit.width, "slope": 0.0, "splay": 0.0}, pose={"yaw": soffit.yaw})
-    hypotheses = recognise(site, rng, families=(Barrel,), demands=demands)
-    refined = refine(hypotheses[0], site, rng, demands=demands)
-    return likeliest_of(Found(site, hypotheses, refined, tolerance_of(refined)), demands, rng)
+    barrel = _barrel(site, rng, demands, like)
+    if like is not None and not agree([barrel], like):
+        barrel = _barrel(site, rng, demands, None)
+    return barrel
+
+
+def _barrel(site: Site, rng: np.random.Generator, demands: Demands, like: Found | None) -> Found:
+    """The barrel of a soffit, begun from one like it if there is one.
+
+    Raises:
+        NoVaultError: an arch of no kind comes near.
+    """
+    known = starts_like(like, site, (Barrel,)) if like else ()
+    hypotheses = recognise(site, rng, families=(Barrel,), demands=demands, known=known)
+    refined = refine(hypotheses[0], site, rng, demands=demands, known=like.refined.kept if like else None)
+    found = Found(site, hypotheses, refined, tolerance_of(refined))
+    return likeliest_of(found, demands, rng, choices_like(like) if like else ())
 
 
 def _site(soffit: Soffit, thin: Thin) -> Site:

@@ -34,6 +34,7 @@ Array = NDArray[np.float64]
 CLEARLY = 3.0  # times as likely: then constraints are others than the fit's
 SLIGHT = 1e-3  # chance below which a choice is forgotten
 UNLIKELY = 4.0  # by which a score is below the best where what is next to it is not tried
+HOLDS = 0.05  # chance, where it looks alike, of the likeliest arches, from which on no others need be tried
 MOST_CHOICES = 8  # choices next to which others are tried
 
 
@@ -56,9 +57,12 @@ class Choice:
         return kinds_of(self.placed.vault)
 
 
-def weigh(refined: Refined, demands: Demands, rng: np.random.Generator) -> tuple[Choice, ...]:
+def weigh(
+    refined: Refined, demands: Demands, rng: np.random.Generator, known: Sequence[Choice] = ()
+) -> tuple[Choice, ...]:
     """All choices of arches and constraints that are not out of the question; none if there is too little stone.
 
+    known: those of a vault that looks like this one; no others are looked for while these hold.
     The first has the likeliest arches, and the constraints of the fit unless others are clearly likelier with these;
     the likeliest of the rest follow.
     """
@@ -66,7 +70,8 @@ def weigh(refined: Refined, demands: Demands, rng: np.random.Generator) -> tuple
     if moved is None:
         return ()
     search = _ChoiceSearch(moved, demands)
-    search.around(refined.placed, refined.kept)
+    if not search.among(refined.placed, refined.kept, known):
+        search.around(refined.placed, refined.kept)
     fitted = sorted(search.fitted.values(), key=lambda one: -one.score)
     if not fitted:
         return ()
@@ -114,6 +119,21 @@ class _ChoiceSearch:
     moved: Field
     demands: Demands
     fitted: dict[tuple[Kinds, frozenset[str]], _Fitted] = field(default_factory=dict)
+
+    def among(self, placed: Placed, kept: tuple[Constraint, ...], known: Sequence[Choice]) -> bool:
+        """Fit known choices, and tell whether that will do: the likeliest arches are not unlikely among those known."""
+        if not known:
+            return False
+        self._try(placed, kinds_of(placed.vault), kept)
+        for choice in known:
+            start = placed
+            if (choice.placed.vault.skew is None) != (placed.vault.skew is None):
+                start, _ = turned_over(placed, kept, RECTANGLE)
+            self._try(start, choice.kinds, choice.kept)
+        if not self.fitted:
+            return False
+        best = max(self.fitted.values(), key=lambda one: one.score)
+        return sum(choice.chance for choice in known if choice.kinds == best.kinds) > HOLDS
 
     def around(self, placed: Placed, kept: tuple[Constraint, ...]) -> None:
         """Fit all choices that are likely, and those next to them: one arch or one constraint is another."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -41,9 +41,12 @@ class Found:
         return self.refined.placed
 
 
-def likeliest_of(found: Found, demands: Demands, rng: np.random.Generator) -> Found:
-    """The same vault with the arches and under the constraints with which it was most likely built."""
-    choices = weigh(found.refined, demands, rng)
+def likeliest_of(found: Found, demands: Demands, rng: np.random.Generator, known: Sequence[Choice] = ()) -> Found:
+    """The same vault with the arches and under the constraints with which it was most likely built.
+
+    known: what was likely where it looks alike.
+    """
+    choices = weigh(found.refined, demands, rng, known)
     refined = likeliest(found.refined, choices, demands)
     return replace(found, refined=refined, tolerance=tolerance_of(refined), choices=choices)
 

@@ -16,7 +16,7 @@ from vaultcad.errors import NoVaultError
 from vaultcad.find.refine import Refined
 from vaultcad.fit.solve import Placed
 from vaultcad.fit.uncertainty import covariance, slopes_of_sizes
-from vaultcad.survey.thinned_scan import STEEP, Site
+from vaultcad.survey.thinned_scan import STEEP, Site, inside, turned
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -31,6 +31,7 @@ UNKNOWN = 1.5  # standard deviation / rise, of a low vault, from which on it may
 VAGUE = 0.1  # rms / rise from which on a model says nothing
 LOOSE, FEW = 0.045, 20  # m that the lesser components may be off the stone (rms), and points that tell it
 LEVELED = 0.03, 0.86  # m, height of a level layer, and the share of a model's points in one from which it is no vault
+ALL_LEVEL = 0.97  # share of what hangs over a site in such a layer, from which on nothing is tried
 
 
 def on_vault(placed: Placed, points: Array, normals: Array, tolerance: float) -> Mask:
@@ -76,6 +77,17 @@ def check(refined: Refined, site: Site, tolerance: float) -> None:
         raise NoVaultError(f"no vault found: {why}")
 
 
+def check_bent(site: Site) -> None:
+    """Refuse a site over which a level ceiling hangs, before any family is tried.
+
+    Raises:
+        NoVaultError: all but nothing of what hangs there is off one height.
+    """
+    over = inside(turned(site.points[:, :2], site.yaw), site.low, site.high)
+    hung = over & (np.abs(site.normals[:, 2]) > STEEP)
+    _check_level(site.points[hung, 2], ALL_LEVEL)
+
+
 def _check_rise(refined: Refined, rise: float) -> None:
     """Refuse a low vault whose rise [m] may as well be none.
 
@@ -91,8 +103,8 @@ def _check_rise(refined: Refined, rise: float) -> None:
         )
 
 
-def _check_level(heights: Array) -> None:
-    """Refuse a model whose points, at these heights (n,) [m], all but lie in one level plane.
+def _check_level(heights: Array, most: float = LEVELED[1]) -> None:
+    """Refuse what lies at these heights (n,) [m] if a share of `most` of it is in one level plane.
 
     Raises:
         NoVaultError: they do.
@@ -102,7 +114,7 @@ def _check_level(heights: Array) -> None:
     heights = np.sort(heights)
     counts = np.searchsorted(heights, heights + LEVELED[0], side="right") - np.arange(len(heights))
     share = float(counts.max() / len(heights))
-    if share >= LEVELED[1]:
+    if share >= most:
         raise NoVaultError(
             f"no vault found: {share:.0%} of the ceiling lies within {100 * LEVELED[0]:g} cm of one height: "
             "a level ceiling, with beams or panels if anything"

@@ -59,20 +59,35 @@ class Hypothesis:
         return self.solution.placed.vault
 
 
+@dataclass(frozen=True)
+class Start:
+    """Where a family may begin, in several ways of which one will do, and the constraints that it then keeps."""
+
+    ways: tuple[Placed, ...]
+    kept: tuple[Constraint, ...]
+
+
 def recognise(
     site: Site,
     rng: np.random.Generator,
     *,
     families: Iterable[type[Vault]] = FAMILIES,
     demands: Demands = NONE,
+    known: Sequence[Start] = (),
 ) -> tuple[Hypothesis, ...]:
     """Every family's best fit, the most likely first.
+
+    known: where families begin, if a site that looks like this one tells it, and they need not be looked for.
 
     Raises:
         NoVaultError: none of the families comes near the points.
     """
     few, some = (Evidence.draw(site, count, rng, demands) for count in (1500, 3000))
-    simple, supple = _begun(families, lambda family, tried: _rough(family, site, few, some, demands, tried), some)
+    supple: list[Placed] = []
+    if known:
+        simple = [_nearest_way(start, few, some, demands) for start in known]
+    else:
+        simple, supple = _begun(families, lambda family, tried: _rough(family, site, few, some, demands, tried), some)
     rough = simple + supple
     if not rough:
         raise NoVaultError(
@@ -84,11 +99,16 @@ def recognise(
     telling = Evidence.draw(site, 3000, rng, demands, about=hopeful)
     scale = _scale(rough[int(np.argmin(costs))], telling)
     judge = _Judge(telling, scale, demands)
-    least = min((telling.cost(placed, scale) for placed in simple), default=inf)
-    hopeless = [telling.cost(placed, scale) > HOPELESS * least for placed in simple]
-    fitted = [judge.within(placed, 0.0 if vain else inf) for placed, vain in zip(simple, hopeless, strict=True)]
-    nearest = min((h.cost for h in fitted), default=inf)
-    fitted += [judge.within(placed, nearest) for placed in supple]
+    if known:
+        fitted = [judge.of(placed, start.kept) for placed, start in zip(simple, known, strict=True)]
+        close = min(h.score for h in fitted) + RIVAL
+        fitted = [judge.best_variant(h) if h.score < close else h for h in fitted]
+    else:
+        least = min((telling.cost(placed, scale) for placed in simple), default=inf)
+        hopeless = [telling.cost(placed, scale) > HOPELESS * least for placed in simple]
+        fitted = [judge.within(placed, 0.0 if vain else inf) for placed, vain in zip(simple, hopeless, strict=True)]
+        nearest = min((h.cost for h in fitted), default=inf)
+        fitted += [judge.within(placed, nearest) for placed in supple]
     if others := [placed for h in _rivals(fitted) for placed in _other_arches(h, site, some, demands)]:
         # Stone that no hypothesis was near to, as the feet of another arch, said nothing so far.
         wider = Evidence.draw(site, 3000, rng, demands, about=[*hopeful, *others])
@@ -149,6 +169,12 @@ def _rough(
             free = demands.freedom(grid[k].vault, demands.begun_with(grid[k].vault))
             solved.append(some.solve(grid[k], free, (0.3, MIDDLE), most=8).placed)
     return [min(solved, key=lambda placed: some.cost(placed, MIDDLE))] if solved else []
+
+
+def _nearest_way(start: Start, few: Evidence, some: Evidence, demands: Demands) -> Placed:
+    """The nearest of its ways, refined with a wide loss."""
+    placed = min(start.ways, key=lambda way: few.cost(way, COARSE))
+    return some.solve(placed, demands.freedom(placed.vault, start.kept), (MIDDLE,), most=8, gain=CLOSE).placed
 
 
 def _other_arches(best: Hypothesis, site: Site, some: Evidence, demands: Demands) -> Iterator[Placed]:

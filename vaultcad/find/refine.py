@@ -56,18 +56,30 @@ class Refined:
         return loosened(self.solution, self.loosest, self.points)
 
 
-def refine(winner: Hypothesis, site: Site, rng: np.random.Generator, *, demands: Demands = NONE) -> Refined:
+def refine(
+    winner: Hypothesis,
+    site: Site,
+    rng: np.random.Generator,
+    *,
+    demands: Demands = NONE,
+    known: Sequence[Constraint] | None = None,
+) -> Refined:
     """Fit the winner to up to `POINTS` points of the site, narrowing the loss to the scatter that is left.
 
     Constraints that seldom fail are let go where that pays, the others are kept where that costs nothing; the price of
-    a parameter is Schwarz's.
+    a parameter is Schwarz's. `known` are the constraints of a vault that looks like this one: then only free corners,
+    which each bay has of its own, are weighed.
     """
     start = winner.solution.placed
     if RECTANGLE.name in demands.freed and start.vault.four_corners:
         start = replace(start, vault=replace(start.vault, skew=Skew()))
     fit = _Fit(Evidence.draw(site, FREEDOM_POINTS, rng, demands, about=[start]), demands)
-    best = fit(start, winner.kept, wide=FROM_AFAR if start.vault.skew else ())
-    for constraint in demands.keepable(start.vault):
+    kept, weighed = winner.kept, demands.keepable(start.vault)
+    if known is not None:
+        kept = tuple(c for c in weighed if c in (winner.kept if c is RECTANGLE else known))
+        weighed = tuple(c for c in weighed if c is RECTANGLE)
+    best = fit(start, kept, wide=FROM_AFAR if start.vault.skew else ())
+    for constraint in weighed:
         trial = fit(*turned_over(best.placed, best.kept, constraint), wide=FROM_AFAR if constraint is RECTANGLE else ())
         more, less = (best, trial) if constraint in best.kept else (trial, best)  # constrained
         saved = len(less.solution.names) - len(more.solution.names)

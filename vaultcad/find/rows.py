@@ -93,8 +93,15 @@ def _told(row: Sequence[Found]) -> _Row | None:
     if not joint:
         return None
     kinds = max(joint, key=lambda kinds: joint[kinds])
-    picked = [next((c for c in one.choices if c.kinds == kinds), None) for one in row]
+    own = [one for one in row if not one.shared]  # others have their sizes from these
+    picked = [next((c for c in one.choices if c.kinds == kinds), None) for one in own]
     return _Row(joint, kinds, _shared([choice for choice in picked if choice is not None]))
+
+
+def shared_by(row: Sequence[Found]) -> Mapping[str, tuple[float, float]]:
+    """Mean and standard deviation of the lengths in which bays of a row agree, by name [m]."""
+    told = _told(row)
+    return told.shared if told else {}
 
 
 def rows_of(found: Sequence[Found]) -> list[list[int]]:

@@ -1,8 +1,8 @@
-"""Finding the vaults of a scan: a region is one vault if a family explains it, else its bays are tried each alone."""
+"""The vaults under one ceiling: a region is one vault if a family explains it, else its bays are tried each alone."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
@@ -10,25 +10,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
-from families.declaration.ribs import DIAGONAL
 from vaultcad.errors import NoVaultError
-from vaultcad.find.arches import FoundArch, find_arch
 from vaultcad.find.found import Found, likeliest_of, tolerance_of
+from vaultcad.find.likeness import agree, choices_like, starts_like
 from vaultcad.find.misfit import Misfit, refuse_strangers
-from vaultcad.find.no_vault import check
+from vaultcad.find.no_vault import check, check_bent
 from vaultcad.find.recognise import recognise
 from vaultcad.find.refine import refine
-from vaultcad.find.ribs import SeenRib, rib_arches, ribs_under
-from vaultcad.find.rows import learned
+from vaultcad.find.ribs import SeenRib, ribs_under
 from vaultcad.fit.freedom import NONE, Demands
-from vaultcad.fit.label import ArchBand, label
-from vaultcad.processes import spread
+from vaultcad.fit.label import label
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
-from vaultcad.survey.parting import Ceiling, parted
-from vaultcad.survey.patches import Patches
-from vaultcad.survey.soffits import Soffit
-from vaultcad.survey.thinned_scan import STEEP, UPRIGHT, Site, Thin, find_site
+from vaultcad.survey.thinned_scan import STEEP, Site, Thin, find_site
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -37,138 +31,10 @@ NARROW = 0.9  # m, span of a part of a scan that is rather an arch, or nothing
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
-FLAT = 0.97  # share of a ceiling that is level, from which on it is none of a vault
-SHARE = 0.25  # of what is bent in a scan of several ceilings that its vaults must explain
-SQUARE = 0.2  # mean cosine of four times the angle between walls and an arch below which that is oblique to them
-FEWEST = 20  # thinned points that are nearer to a rib than to all else
 FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
 
 
-@dataclass(frozen=True)
-class Findings:
-    """What was found in a scan: its vaults, the largest ceilings first, and the arches between them.
-
-    hung: the patches of all that hangs over rooms, found or not.
-    """
-
-    vaults: tuple[Found, ...]
-    arches: tuple[FoundArch, ...]
-    hung: Patches
-
-
-def find_vaults(
-    thin: Thin,
-    xyz: NDArray[np.floating],
-    families: Sequence[type[Vault]],
-    rng: np.random.Generator,
-    demands: Demands = NONE,
-    progress: Callable[[str], None] = lambda stage: None,
-) -> Findings:
-    """All vaults of a scan, from its thinned points and all of them (n, 3) [m], with what is demanded of each.
-
-    Raises:
-        NoVaultError: there is none.
-    """
-    parting = parted(thin, xyz)
-    if not parting.is_parted:
-        return _ribbed(_under_one_ceiling(thin, xyz, families, rng, demands), (), parting.hung, thin, xyz, rng)
-    ceilings, soffits = parting.ceilings, parting.soffits
-    hung = np.concatenate([ceiling.points for ceiling in ceilings]) if ceilings else np.empty((0, 3))
-    rngs = rng.spawn(len(ceilings) + len(soffits))
-    if any(_is_oblique(soffit, thin) for soffit in soffits):  # as ribs are, which part the webs of one vault
-        with suppress(NoVaultError):
-            whole = _under_one_ceiling(thin, xyz, families, rng.spawn(1)[0], demands)
-            ribbed = _ribbed(whole, (), parting.hung, thin, xyz, rng)
-            if any(rib.line == DIAGONAL for rib in ribbed.arches):
-                return ribbed
-
-    def work(k: int) -> tuple[Found, ...] | FoundArch | NoVaultError:
-        try:
-            if k >= len(ceilings):
-                return find_arch(soffits[k - len(ceilings)], thin, hung, rngs[k])
-            _check_bent(ceilings[k])
-            mine = ceilings[k].part
-            return _under_one_ceiling(mine.thinned(thin), xyz[mine.holds(xyz)], families, rngs[k], demands, part=True)
-        except NoVaultError as error:
-            return error
-
-    vaults: list[Found] = []
-    arches: list[FoundArch] = []
-    for k, found in enumerate(spread(work, len(rngs)), 1):
-        match found:
-            case NoVaultError():
-                told = "none"
-            case FoundArch():
-                arches.append(found)
-                told = "arch"
-            case _:
-                vaults += found
-                told = ", ".join(one.placed.vault.id for one in found)
-        what = f"bay {k} of {len(ceilings)}" if k <= len(ceilings) else f"arch {k - len(ceilings)} of {len(soffits)}"
-        progress(f"{what}: {told}")
-    if not vaults:  # holes and scaffolds can part what is one
-        return _ribbed(_under_one_ceiling(thin, xyz, families, rng, demands), arches, parting.hung, thin, xyz, rng)
-    _check_share(vaults, ceilings)
-    return _ribbed(learned(vaults, demands), arches, parting.hung, thin, xyz, rng)
-
-
-def _ribbed(
-    vaults: tuple[Found, ...],
-    arches: Sequence[FoundArch],
-    hung: Patches,
-    thin: Thin,
-    xyz: NDArray[np.floating],
-    rng: np.random.Generator,
-) -> Findings:
-    """The same with the ribs under vaults, which are not arches between these."""
-    ribs = [rib for one in vaults for rib in rib_arches(one, thin, xyz, rng)]
-    if not ribs:
-        return Findings(vaults, tuple(arches), hung)
-    between = [arch for arch in arches if not any(rib.is_along(arch) for rib in ribs)]
-    bands = [(one.placed, one.tolerance) for one in vaults]
-    arched = [ArchBand(one.barrel.placed, one.barrel.tolerance, one.depth) for one in (*between, *ribs)]
-    held = np.bincount(label(thin.points, bands, arched).arch, minlength=len(arched) + 1)[1 + len(between) :]
-    kept = [rib for rib, count in zip(ribs, held.tolist(), strict=True) if count >= FEWEST]
-    return Findings(vaults, (*between, *kept), hung)
-
-
-def _is_oblique(soffit: Soffit, thin: Thin) -> bool:
-    """Whether an arch runs at an angle to most of the walls about it."""
-    level = thin.normals[np.abs(thin.normals[:, 2]) < UPRIGHT, :2]
-    turned_by = 4 * (np.arctan2(level[:, 1], level[:, 0]) - soffit.yaw)
-    return bool(len(level) and np.cos(turned_by).mean() < SQUARE)
-
-
-def _check_bent(ceiling: Ceiling) -> None:
-    """Refuse a ceiling that is level.
-
-    Raises:
-        NoVaultError: it is.
-    """
-    share = float(ceiling.level.mean())
-    if share > FLAT:
-        raise NoVaultError(
-            f"no vault found: {share:.0%} of a ceiling of {ceiling.area:.0f} m² is level; crop the scan to a vault"
-        )
-
-
-def _check_share(vaults: Sequence[Found], ceilings: Sequence[Ceiling]) -> None:
-    """Refuse vaults that explain little of what hangs in a scan and is not level.
-
-    Raises:
-        NoVaultError: they do.
-    """
-    bent = np.concatenate([ceiling.points[~ceiling.level] for ceiling in ceilings])
-    on = label(bent, [(one.placed, one.tolerance) for one in vaults]).vault > 0
-    if len(bent) and on.mean() < SHARE:
-        titles = ", ".join(dict.fromkeys(one.placed.vault.called for one in vaults))
-        raise NoVaultError(
-            f"no vault found: {titles} is near, but explains {on.mean():.0%} of what is bent over the rooms of the "
-            "scan; crop it to the vault"
-        )
-
-
-def _under_one_ceiling(
+def under_one_ceiling(
     thin: Thin,
     xyz: NDArray[np.floating],
     families: Sequence[type[Vault]],
@@ -176,17 +42,20 @@ def _under_one_ceiling(
     demands: Demands,
     *,
     part: bool = False,
+    like: Found | None = None,
 ) -> tuple[Found, ...]:
-    """The vaults of a scan, or of a part of it, that hang together.
+    """The vaults of a scan, or of a part of it, that hang together; `like` is one from which it can begin.
 
     Raises:
-        NoVaultError: there is none.
+        NoVaultError: there is none, or not one that agrees with that.
     """
-    search = _Search(thin, xyz, CeilingGrid.of(thin), tuple(families), rng, demands)
+    search = _Search(thin, xyz, CeilingGrid.of(thin), tuple(families), rng, demands, like)
     found = search.region(search.ceiling.room, part=part)
     if not found:
         raise search.refusals[0]
-    return tuple(likeliest_of(one, demands, rng) for one in found)
+    if like and not agree(found, like):
+        raise NoVaultError(f"no vault found: {like.placed.vault.called} hangs over what looks alike, but not here")
+    return tuple(likeliest_of(one, demands, rng, choices_like(like) if like else ()) for one in found)
 
 
 @dataclass(frozen=True)
@@ -199,6 +68,7 @@ class _Search:
     families: tuple[type[Vault], ...]
     rng: np.random.Generator
     demands: Demands = NONE
+    like: Found | None = None
     refusals: list[NoVaultError] = field(default_factory=list)
 
     def region(self, region: Region, *, part: bool = False) -> list[Found]:
@@ -270,8 +140,12 @@ class _Search:
             NoVaultError: none is near enough to what hangs there.
         """
         site = _under_its_ceiling(find_site(thin, xyz), thin)
-        hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
-        refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
+        check_bent(site)
+        known = starts_like(self.like, site, self.families) if self.like else ()
+        hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands, known=known)
+        same = self.like is not None and type(hypotheses[0].vault) is type(self.like.placed.vault)
+        kept = self.like.refined.kept if self.like and same else None
+        refined = refine(hypotheses[0], site, self.rng, demands=self.demands, known=kept)
         if ribs := ribs_under(refined.placed, site.points):  # which pull the webs down, and hide what they are
             site = _without(site, ribs)
             hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)

@@ -10,8 +10,8 @@ import numpy as np
 from families import FAMILIES, Vault
 from segmentation.cloud import AXES, Cloud, Up, stood_up, turn
 from vaultcad.errors import NoVaultError
+from vaultcad.find.findings import find_vaults
 from vaultcad.find.no_vault import on_vault
-from vaultcad.find.search import find_vaults
 from vaultcad.one_thread import one_thread
 from vaultcad.survey.thinned_scan import Thin, thin_scan
 

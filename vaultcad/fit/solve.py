@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
+from families.declaration.once import Once
 from families.void import kernel
 from vaultcad.fit.freedom import Freedom
 from vaultcad.model import Pose
@@ -29,9 +30,10 @@ class Placed:
 
     def distance(self, points: Array) -> Array:
         """Signed distances (n,) [m] of points (n, 3) to the vault on its walls."""
-        out: Array = kernel.distances(points, *self.packed())
+        out: Array = kernel.distances(points, *self.packed)
         return out
 
+    @Once
     def packed(self) -> tuple[Array, Array, Array]:
         """Frame, table of bodies and outline, as `families.void.kernel` takes them."""
         return self.pose.frame(), *tables(self.vault)
@@ -98,7 +100,7 @@ def solve(
         cost = float(weights @ robust_cost(r, scale))
         for _ in range(most):
             w = weights / (1 + (r / scale) ** 2) ** 2
-            jacobian = _jacobian(start, free, x, high, points)
+            jacobian = _jacobian(placed, free, x, high, points)
             gradient, hessian = jacobian.T @ (w * r), (jacobian.T * w) @ jacobian
             resting = ((x <= low + MARGIN) & (gradient > 0)) | ((x >= high - MARGIN) & (gradient < 0))
             moved = False
@@ -121,7 +123,7 @@ def solve(
                 converged = True
                 break
     w = weights / (1 + (r / scales[-1]) ** 2) ** 2
-    return Solution(placed, names, r, w, _jacobian(start, free, x, high, points), converged, free)
+    return Solution(placed, names, r, w, _jacobian(placed, free, x, high, points), converged, free)
 
 
 def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool_]) -> Array:
@@ -132,10 +134,12 @@ def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool
     return np.clip(step, -LONGEST_STEP, LONGEST_STEP)
 
 
-def _jacobian(start: Placed, free: Freedom, x: Array, high: Array, points: Array) -> Array:
-    """Derivatives (n, k) of the distances: by the pose from the normals, by the parameters from finite differences."""
+def _jacobian(placed: Placed, free: Freedom, x: Array, high: Array, points: Array) -> Array:
+    """Derivatives (n, k) of the distances to a vault with unknowns `x` (k,).
+
+    By the pose from the normals, by the parameters from finite differences.
+    """
     jacobian = np.empty((len(points), len(x)))
-    placed = _placed(start, free, x)
     normal, moves = _slopes(placed, points)
     jacobian[:, :3] = -normal
     jacobian[:, 3] = normal[:, 0] * (points[:, 1] - x[1]) - normal[:, 1] * (points[:, 0] - x[0])
@@ -144,7 +148,7 @@ def _jacobian(start: Placed, free: Freedom, x: Array, high: Array, points: Array
         step = DIFFERENCE if x[k] + DIFFERENCE <= high[k] else -DIFFERENCE
         moved = x.copy()
         moved[k] += step
-        jacobian[:, k] = moves(_moved(start, free, moved)) / step
+        jacobian[:, k] = moves(_moved(placed, free, moved)) / step
     return jacobian
 
 
@@ -153,7 +157,7 @@ def _slopes(placed: Placed, points: Array) -> tuple[Array, Callable[[Vault], Arr
 
     The body that decides a point's distance still does after a small step, so only that one is asked again.
     """
-    frame, table, plan = placed.packed()
+    frame, table, plan = placed.packed
     rows, normal = kernel.deciding(points, frame, table, plan)
     asked = kernel.to_rows(points, frame, table, plan, rows)
 

@@ -48,5 +48,11 @@ class PlanGrid:
     def holds(self, held: Mask, points: NDArray[np.floating]) -> Mask:
         """Which points (n, 2 or 3) [m] lie over those of its cells that are held (nx * ny,)."""
         beyond = np.append(held.ravel(), False)
-        found = [beyond[self.numbers(points[k : k + CHUNK])] for k in range(0, len(points), CHUNK)]
-        return np.concatenate(found) if found else np.zeros(0, np.bool_)
+        found = np.zeros(len(points), np.bool_)
+        low, high = self.low - self.cell, self.low + self.cell * (np.array(self.shape) + 1)
+        for k in range(0, len(points), CHUNK):
+            x, y = points[k : k + CHUNK, 0], points[k : k + CHUNK, 1]
+            # A part of a large site is asked for all its points: most are far away, which is told quickly.
+            (near,) = np.nonzero((x > low[0]) & (x < high[0]) & (y > low[1]) & (y < high[1]))
+            found[k + near] = beyond[self.numbers(points[k + near])]
+        return found

@@ -1,0 +1,230 @@
+"""Finding the vaults of a scan: its ceilings and arches each alone, then what bays of a row tell each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Vault
+from families.declaration.ribs import DIAGONAL
+from vaultcad.errors import NoVaultError
+from vaultcad.find.arches import FoundArch, find_arch
+from vaultcad.find.found import Found
+from vaultcad.find.likeness import as_near, firsts, in_turn, look_of_ceiling, look_of_soffit
+from vaultcad.find.ribs import rib_arches
+from vaultcad.find.rows import learned
+from vaultcad.find.search import under_one_ceiling
+from vaultcad.find.second_look import SecondLook, second_looks
+from vaultcad.fit.freedom import BAYS, NONE, Demands
+from vaultcad.fit.label import ArchBand, label
+from vaultcad.processes import spread
+from vaultcad.survey.parting import Ceiling, parted
+from vaultcad.survey.patches import Patches
+from vaultcad.survey.soffits import Soffit
+from vaultcad.survey.thinned_scan import UPRIGHT, Thin
+
+FLAT = 0.97  # share of a ceiling that is level, from which on it is none of a vault
+SQUARE = 0.2  # mean cosine of four times the angle between walls and an arch below which that is oblique to them
+FEWEST = 20  # thinned points that are nearer to a rib than to all else
+SHARE = 0.25  # of what is bent in a scan of several ceilings that its vaults must explain
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What was found in a scan: its vaults, the largest ceilings first, and the arches between them.
+
+    hung: the patches of all that hangs over rooms, found or not.
+    """
+
+    vaults: tuple[Found, ...]
+    arches: tuple[FoundArch, ...]
+    hung: Patches
+
+
+def find_vaults(
+    thin: Thin,
+    xyz: NDArray[np.floating],
+    families: Sequence[type[Vault]],
+    rng: np.random.Generator,
+    demands: Demands = NONE,
+    progress: Callable[[str], None] = lambda stage: None,
+) -> Findings:
+    """All vaults of a scan, from its thinned points and all of them (n, 3) [m], with what is demanded of each.
+
+    Raises:
+        NoVaultError: there is none.
+    """
+    parting = parted(thin, xyz)
+    if not parting.is_parted:
+        return _ribbed(under_one_ceiling(thin, xyz, families, rng, demands), (), parting.hung, thin, xyz, rng)
+    ceilings, soffits = parting.ceilings, parting.soffits
+    hung = np.concatenate([ceiling.points for ceiling in ceilings]) if ceilings else np.empty((0, 3))
+    rngs = rng.spawn(len(ceilings) + len(soffits))
+    if any(_is_oblique(soffit, thin) for soffit in soffits):  # as ribs are, which part the webs of one vault
+        with suppress(NoVaultError):
+            whole = under_one_ceiling(thin, xyz, families, rng.spawn(1)[0], demands)
+            ribbed = _ribbed(whole, (), parting.hung, thin, xyz, rng)
+            if any(rib.line == DIAGONAL for rib in ribbed.arches):
+                return ribbed
+    kinds = firsts([look_of_ceiling(ceiling.points) for ceiling in ceilings])
+    kinds += [len(ceilings) + k for k in firsts([look_of_soffit(soffit) for soffit in soffits])]
+
+    def work(k: int, first: _Result | None) -> _Result:
+        try:
+            if k < len(ceilings):
+                like = first[0] if isinstance(first, tuple) and len(first) == 1 else None
+                return _over_part(thin, xyz, ceilings[k], families, rngs[k], demands, like)
+            soffit, arch = soffits[k - len(ceilings)], first if isinstance(first, FoundArch) else None
+            return find_arch(soffit, thin, hung, rngs[k], arch)
+        except NoVaultError as error:
+            return error
+
+    results: dict[int, _Result] = {}
+    for k, result in in_turn(kinds, work):
+        results[k] = result
+        bays = sum(done < len(ceilings) for done in results)
+        what = (
+            f"bay {bays} of {len(ceilings)}" if k < len(ceilings) else f"arch {len(results) - bays} of {len(soffits)}"
+        )
+        progress(f"{what}: {_told(result)}")
+    found = [results[k] for k in range(len(kinds))]
+    under = [result if isinstance(result, tuple) else () for result in found[: len(ceilings)]]
+    if BAYS.name not in demands.freed:
+        under = _looked_at_again(thin, xyz, ceilings, under, rngs, demands, progress)
+    vaults = [one for result in under for one in result]
+    arches = [result for result in found if isinstance(result, FoundArch)]
+    if not vaults:  # holes and scaffolds can part what is one
+        return _ribbed(under_one_ceiling(thin, xyz, families, rng, demands), arches, parting.hung, thin, xyz, rng)
+    _check_share(vaults, ceilings)
+    return _ribbed(learned(vaults, demands), arches, parting.hung, thin, xyz, rng)
+
+
+_Result = tuple[Found, ...] | FoundArch | NoVaultError
+
+
+def _told(result: _Result) -> str:
+    match result:
+        case NoVaultError():
+            return "none"
+        case FoundArch():
+            return "arch"
+        case _:
+            return ", ".join(one.placed.vault.id for one in result)
+
+
+def _over_part(
+    thin: Thin,
+    xyz: NDArray[np.floating],
+    ceiling: Ceiling,
+    families: Sequence[type[Vault]],
+    rng: np.random.Generator,
+    demands: Demands,
+    like: Found | None,
+) -> tuple[Found, ...]:
+    """The vaults of one ceiling of several; `like` is the one vault of a ceiling that looks like it.
+
+    Raises:
+        NoVaultError: there is none.
+    """
+    _check_bent(ceiling)
+    mine, own = ceiling.part.thinned(thin), xyz[ceiling.part.holds(xyz)]
+    if like is not None:
+        begun = rng.spawn(1)[0]  # so that a search in full is the same as if this had not been tried
+        with suppress(NoVaultError):
+            return under_one_ceiling(mine, own, families, begun, demands, part=True, like=like)
+    return under_one_ceiling(mine, own, families, rng, demands, part=True)
+
+
+def _looked_at_again(
+    thin: Thin,
+    xyz: NDArray[np.floating],
+    ceilings: Sequence[Ceiling],
+    under: Sequence[tuple[Found, ...]],
+    rngs: Sequence[np.random.Generator],
+    demands: Demands,
+    progress: Callable[[str], None],
+) -> list[tuple[Found, ...]]:
+    """What is under each ceiling, where those that a row lacks, or that are odd in it, were tried as bays of it."""
+    tried: set[int] = set()
+    out = list(under)
+    while looks := [look for look in second_looks(ceilings, out) if look.number not in tried]:
+        tried |= {look.number for look in looks}  # what was found may be beside the next
+
+        def work(n: int, looks: Sequence[SecondLook] = looks) -> Found | None:
+            look, ceiling = looks[n], ceilings[looks[n].number]
+            sizes = {name: mean for name, (mean, _) in look.shared.items()} | dict(demands.sizes)
+            asked, mine = replace(demands, sizes=sizes), ceiling.part.thinned(thin)
+            families, own = (type(look.beside.placed.vault),), xyz[ceiling.part.holds(xyz)]
+            try:
+                _check_bent(ceiling)
+                found = under_one_ceiling(mine, own, families, rngs[look.number], asked, part=True, like=look.beside)
+            except NoVaultError:
+                return None
+            before = out[look.number]
+            return look.taken(found[0], before) if all(as_near(found, one) for one in before) else None
+
+        for look, found in zip(looks, spread(work, len(looks)), strict=True):
+            if found is not None:
+                out[look.number] = (found,)
+                progress(f"ceiling {look.number + 1}: {found.placed.vault.id}, as beside it")
+    return out
+
+
+def _ribbed(
+    vaults: tuple[Found, ...],
+    arches: Sequence[FoundArch],
+    hung: Patches,
+    thin: Thin,
+    xyz: NDArray[np.floating],
+    rng: np.random.Generator,
+) -> Findings:
+    """The same with the ribs under vaults, which are not arches between these."""
+    ribs = [rib for one in vaults for rib in rib_arches(one, thin, xyz, rng)]
+    if not ribs:
+        return Findings(vaults, tuple(arches), hung)
+    between = [arch for arch in arches if not any(rib.is_along(arch) for rib in ribs)]
+    bands = [(one.placed, one.tolerance) for one in vaults]
+    arched = [ArchBand(one.barrel.placed, one.barrel.tolerance, one.depth) for one in (*between, *ribs)]
+    held = np.bincount(label(thin.points, bands, arched).arch, minlength=len(arched) + 1)[1 + len(between) :]
+    kept = [rib for rib, count in zip(ribs, held.tolist(), strict=True) if count >= FEWEST]
+    return Findings(vaults, (*between, *kept), hung)
+
+
+def _is_oblique(soffit: Soffit, thin: Thin) -> bool:
+    """Whether an arch runs at an angle to most of the walls about it."""
+    level = thin.normals[np.abs(thin.normals[:, 2]) < UPRIGHT, :2]
+    turned_by = 4 * (np.arctan2(level[:, 1], level[:, 0]) - soffit.yaw)
+    return bool(len(level) and np.cos(turned_by).mean() < SQUARE)
+
+
+def _check_bent(ceiling: Ceiling) -> None:
+    """Refuse a ceiling that is level.
+
+    Raises:
+        NoVaultError: it is.
+    """
+    share = float(ceiling.level.mean())
+    if share > FLAT:
+        raise NoVaultError(
+            f"no vault found: {share:.0%} of a ceiling of {ceiling.area:.0f} m² is level; crop the scan to a vault"
+        )
+
+
+def _check_share(vaults: Sequence[Found], ceilings: Sequence[Ceiling]) -> None:
+    """Refuse vaults that explain little of what hangs in a scan and is not level.
+
+    Raises:
+        NoVaultError: they do.
+    """
+    bent = np.concatenate([ceiling.points[~ceiling.level] for ceiling in ceilings])
+    on = label(bent, [(one.placed, one.tolerance) for one in vaults]).vault > 0
+    if len(bent) and on.mean() < SHARE:
+        titles = ", ".join(dict.fromkeys(one.placed.vault.called for one in vaults))
+        raise NoVaultError(
+            f"no vault found: {titles} is near, but explains {on.mean():.0%} of what is bent over the rooms of the "
+            "scan; crop it to the vault"
+        )

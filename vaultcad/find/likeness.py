@@ -1,0 +1,115 @@
+"""What looks alike in a scan before vaults are fitted: one of each kind is searched in full, the others begin there.
+
+That they look alike is a guess that saves time: each is fitted to its own stone, with all families that the first was
+compared with, and searched in full itself where the two do not agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
+from math import cos, pi, sin
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from families import Vault
+from vaultcad.find.choices import Choice
+from vaultcad.find.found import Found
+from vaultcad.find.misfit import DOUBTFUL
+from vaultcad.find.recognise import Start
+from vaultcad.fit.solve import Placed
+from vaultcad.model import Pose
+from vaultcad.processes import spread
+from vaultcad.survey.soffits import Soffit
+from vaultcad.survey.thinned_scan import Site
+
+Array = NDArray[np.float64]
+Result = TypeVar("Result")
+
+SIZE = 0.15, 0.06  # m, and share of a size, by which what looks alike may differ
+HEIGHTS = (0.05, 0.25, 0.5, 0.75, 0.98)  # quantiles of a ceiling's heights that are compared
+WORTH = 0.01  # chance of a choice from which on it is tried where it looks alike
+ROUGHER = 1.3, 1e-3  # times, and m, by which the scatter of what agrees may be larger
+
+
+def look_of_ceiling(points: Array) -> Array:
+    """Sizes (k,) [m] of the stone of a ceiling (n, 3) [m], the same however it is turned: extents and heights."""
+    extents = np.sqrt(12 * np.maximum(np.linalg.eigvalsh(np.cov(points[:, :2].T)), 0.0))
+    heights = np.quantile(points[:, 2], HEIGHTS)
+    return np.concatenate([extents, heights - heights[-1]])
+
+
+def look_of_soffit(soffit: Soffit) -> Array:
+    """Sizes (k,) [m] of the soffit of an arch."""
+    return np.array([soffit.length, soffit.width, np.ptp(soffit.curve[:, 1])])
+
+
+def firsts(looks: Sequence[Array]) -> list[int]:
+    """For each of these the number of the first that looks like it: its own where none does before it."""
+    found: list[int] = []
+    for k, look in enumerate(looks):
+        alike = (j for j, first in enumerate(found) if j == first and _alike(looks[j], look))
+        found.append(next(alike, k))
+    return found
+
+
+def _alike(one: Array, other: Array) -> bool:
+    larger = np.maximum(np.abs(one), np.abs(other))
+    return bool((np.abs(one - other) < SIZE[0] + SIZE[1] * larger).all())
+
+
+def in_turn(first_of: Sequence[int], work: Callable[[int, Result | None], Result]) -> Iterator[tuple[int, Result]]:
+    """Work on all cores on the first of each kind, then on the others with what it came to: numbers and results.
+
+    first_of: as `firsts` tells.
+    """
+    done: dict[int, Result] = {}
+    alone = [k for k, first in enumerate(first_of) if first == k]
+    others = [k for k, first in enumerate(first_of) if first != k]
+
+    def following(numbers: list[int], n: int) -> Result:
+        return work(numbers[n], done.get(first_of[numbers[n]]))
+
+    for numbers in (alone, others):
+        for k, result in zip(numbers, spread(partial(following, numbers), len(numbers)), strict=True):
+            done[k] = result
+            yield k, result
+
+
+def starts_like(first: Found, site: Site, families: Iterable[type[Vault]]) -> tuple[Start, ...]:
+    """Where those of the families that were fitted to one site begin at another that looks like it."""
+    tried = set(families)
+    return tuple(
+        Start(tuple(_carried(h.solution.placed, first.site, site, quarter) for quarter in range(4)), h.kept)
+        for h in first.hypotheses
+        if type(h.vault) in tried
+    )
+
+
+def _carried(placed: Placed, here: Site, there: Site, quarter: int) -> Placed:
+    """A vault from one site to another, and turned by right angles about the middle of that."""
+    pose, turn = placed.pose, there.yaw - here.yaw + quarter * pi / 2
+    (x, y), (c, s) = (pose.x, pose.y) - here.centre, (cos(turn), sin(turn))
+    a, b = there.centre.tolist()
+    z = pose.z + there.crown - here.crown
+    return Placed(
+        placed.vault, Pose(a + c * float(x) - s * float(y), b + s * float(x) + c * float(y), z, pose.yaw + turn)
+    )
+
+
+def choices_like(first: Found) -> tuple[Choice, ...]:
+    """The arches and constraints that are worth a fit where it looks alike."""
+    return tuple(choice for choice in first.choices if choice.chance > WORTH)
+
+
+def agree(found: Sequence[Found], first: Found) -> bool:
+    """Whether what was begun from the first of its kind is one vault of the same family, and its stone as near."""
+    same = all(type(one.placed.vault) is type(first.placed.vault) for one in found)
+    return same and as_near(found, first) and found[0].misfit.chance < max(DOUBTFUL, first.misfit.chance)
+
+
+def as_near(found: Sequence[Found], other: Found) -> bool:
+    """Whether it is one vault, from which its stone is not much farther off than that of another."""
+    return len(found) == 1 and found[0].refined.scatter < ROUGHER[0] * other.refined.scatter + ROUGHER[1]
