@@ -27,7 +27,7 @@ from vaultcad.find.findings import Findings, find_vaults
 from vaultcad.find.found import Found
 from vaultcad.find.recognise import confidence
 from vaultcad.fit.demands import demand
-from vaultcad.fit.freedom import RECTANGLE
+from vaultcad.fit.freedom import RECTANGLE, Demands
 from vaultcad.fit.label import ArchBand, Labels, label
 from vaultcad.fit.solve import Placed
 from vaultcad.fit.uncertainty import covariance, open_ends
