@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 from vaultcad.cli.ahead import SOLIDS, importing
 from vaultcad.cli.errors import InputError, refusing
+from vaultcad.cli.further import Further
 from vaultcad.cli.nurbs import NET, tell
 from vaultcad.cli.options import AsBuilt, Axis, Bounds, Seed, number_info, single
 from vaultcad.cli.outputs import check_folder
@@ -25,7 +26,6 @@ from vaultcad.cli.status import status
 from vaultcad.errors import NoVaultError
 
 STAGES = ("reading", "thinning", "finding", "labelling", "measuring", "writing")
-FREE_FILES = tuple(f"nurbs.{suffix}" for suffix in ("step", "ifc", "glb", "obj", "json"))
 Thickness = Annotated[float, number_info("thickness", Bounds(0.01, 5, "m", "of the masonry, which no scan shows"))]
 
 
@@ -74,6 +74,14 @@ def fit(
         typer.Option(help="nurbs: free surfaces beside the family's, in nurbs.step, .ifc, .glb, .obj and .json."),
     ] = "family",
     net: Annotated[float, number_info("net", NET)] = 0.25,
+    drawings: Annotated[
+        bool,
+        typer.Option("--drawings", help="Sheets to scale, too: drawings.dxf, drawings.pdf; see vaultcad drawings."),
+    ] = False,
+    coloured: Annotated[
+        Literal["ply", "laz"] | None,
+        typer.Option(help="The vaults' points in the colours of their deviations, too: deviation.ply or .laz."),
+    ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Replace an earlier result although a person has changed it since.")
     ] = False,
@@ -86,8 +94,8 @@ def fit(
     from vaultcad.cli.summary import show_summary
     from vaultcad.fit.demands import demand
 
-    further = FREE_FILES if route == "nurbs" else ()
-    check_folder(out, inputs=[scan], review=review, force=force, more=further)
+    further = Further(net if route == "nurbs" else None, drawings, coloured)
+    check_folder(out, inputs=[scan], review=review, force=force, more=further.names)
     families = _families(family)
     fixed, freed = _fixed(fix or []), tuple(free or [])
     with refusing():
@@ -126,17 +134,7 @@ def fit(
             bar.stage("standing up")
             cloud = _stood_otherwise(cloud, settings, error)
             result = fit_scan(cloud, settings, progress=bar.stage)
-        more = {}
-        if route == "nurbs":
-            from functools import partial
-
-            from vaultcad.export.nurbs_files import NURBS_WRITERS
-            from vaultcad.labelled_scan import labelled_scan
-            from vaultcad.nurbs.route import free_route
-
-            bar.stage("measuring", "free surfaces")
-            surfaces = free_route(labelled_scan(result.model, cloud, result.labels), net)
-            more = {name: partial(write, surfaces) for name, write in NURBS_WRITERS.items()}
+        more, surfaces = further.writers(result, cloud, bar.stage)
         bar.stage("writing")
         labels = result.labels
         extra: dict[str, NDArray[Any]] = {
@@ -166,7 +164,7 @@ def fit(
         typer.echo(written.report.rstrip())
     else:
         show_summary(result.model, out)
-        if route == "nurbs":
+        if surfaces is not None:
             tell(surfaces)
 
 

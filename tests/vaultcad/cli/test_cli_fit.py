@@ -9,15 +9,19 @@ import laspy
 import numpy as np
 import pytest
 
+from families.drawing.deviation_colours import limit_of, shades
 from segmentation import read
 from vaultcad import pipeline
+from vaultcad.cli import main
 from vaultcad.cli.fit import STAGES
+from vaultcad.cli.further import SHEETS
 from vaultcad.export.bundle import REVIEW, WRITERS
 from vaultcad.export.folder import MARKER
 from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.scanner import read_truth
 
-FILES = {MARKER, REVIEW, SEGMENTS, *WRITERS}
+USUAL = {MARKER, SEGMENTS, *WRITERS}
+FILES = {*USUAL, REVIEW, *SHEETS, "deviation.ply"}
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +30,7 @@ def fitted(room, tmp_path_factory, assumed):
     out = tmp_path_factory.mktemp("fit") / "new" / "sail"
     command = [sys.executable, "-c", "import sys; from vaultcad.cli import main; sys.exit(main())"]
     arguments = ["fit", room, "-o", out, "--family", "volta a vela", "--seed", "1", "--thickness", "0.2", "--review"]
-    arguments += ["--correlations"]
+    arguments += ["--correlations", "--drawings", "--coloured", "ply"]
     done = subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True, timeout=500, check=False)
     assert (done.returncode, done.stderr) == (0, assumed)
     return out, done.stdout
@@ -72,6 +76,33 @@ def test_every_point_of_the_scan_is_labelled_where_it_was(fitted, room):
     assert np.mean((component > 0) == (truth > 0)) > 0.97
 
 
+def test_points_in_colours_are_the_vaults_own(fitted, room):
+    out, _ = fitted
+    labelled, coloured = laspy.read(out / SEGMENTS), read(out / "deviation.ply", unit="m")
+    on = np.isfinite(labelled.deviation)
+    assert len(coloured) == on.sum()
+    np.testing.assert_allclose(coloured.xyz + coloured.origin, labelled.xyz[on], atol=1e-4)
+    deviation = np.asarray(labelled.deviation)[on]
+    expected = shades(deviation, limit_of(deviation))
+    np.testing.assert_array_equal(coloured.color // 257, expected)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "files"),
+    [
+        (["sections"], {"sections.json", "sections.dxf"}),
+        (["drawings"], {"drawings.dxf", "drawings.pdf", "vault-1.svg"}),
+        (["nurbs", "--net", "0.5"], {"nurbs.json", "nurbs.obj", "nurbs.step"}),
+    ],
+    ids=lambda given: given[0] if isinstance(given, list) else "",
+)
+def test_a_result_goes_on_to_further_commands(fitted, tmp_path, arguments, files):
+    out, _ = fitted
+    command, *options = arguments
+    assert main([command, str(out), "-o", str(tmp_path / "more"), *options]) == 0
+    assert files <= {path.name for path in (tmp_path / "more").iterdir()}
+
+
 def test_the_summary_says_what_was_found(fitted):
     out, told = fitted
     for part in ("sail vault", "confidence", "span_x", " ± ", "deviation", "coverage", str(out), "model.ifc"):
@@ -90,7 +121,7 @@ def test_an_earlier_result_is_replaced_and_can_be_printed_as_json(run, fitted, r
     assert (told.code, told.err) == (0, assumed)
     assert told.out == (out / "report.json").read_text()
     assert (out / "model.step").read_text() != "old"
-    assert {path.name for path in out.iterdir()} == FILES - {REVIEW} | {"notes.txt"}
+    assert {path.name for path in out.iterdir()} == USUAL | {"notes.txt"}
 
 
 @pytest.mark.parametrize("name", ["model.step", "model.ifc", "model.glb", "model.wld"])
