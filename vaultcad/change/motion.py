@@ -98,10 +98,13 @@ class Trend:
     figures: Array
 
     @classmethod
-    def of_shapes(cls, blocks: Array, figures: Array) -> Trend:
-        """Of the shapes of mechanisms: (m, k) along the normals of blocks, and (f, k) in figures."""
-        count = blocks.shape[1]
-        return cls(blocks, np.full(count, LARGE**-2), np.zeros(count), figures)
+    def of_shapes(cls, blocks: Array, figures: Array, parts: NDArray[np.str_]) -> Trend:
+        """Of the shapes of mechanisms: (m, k) along the normals of blocks, and (f, k) in figures; (k,) whose each is.
+
+        All shapes of a part together are `LARGE`: else it could move by more the more shapes it is given.
+        """
+        _, part, count = np.unique(parts, return_inverse=True, return_counts=True)
+        return cls(blocks, count[part] / LARGE**2, np.zeros(len(parts)), figures)
 
     def beside(self, jacobian: Array, precision: Array, mean: Array) -> Trend:
         """And a reference whose unknowns (v,) move deviations by (m, v), and no stone."""

@@ -72,10 +72,10 @@ class _Stone:
         """Without blocks that no shape of a mechanism and no other size of the vault explains: furniture, frames."""
         solution = self.refined.loose
         rest, known = _way(self, solution)
-        fields, _ = shapes(self.place, self.body)
+        fields, parts = shapes(self.place, self.body)
         slopes = np.einsum("mkc,mc->mk", fields, self.normal)
         none = np.empty((0, slopes.shape[1]))
-        whole = Trend.of_shapes(slopes, none).beside(*known)
+        whole = Trend.of_shapes(slopes, none, parts).beside(*known)
         left = rest
         for _ in range(3):
             near = np.abs(left) < OUTLYING * max(LEAST, 1.4826 * float(np.median(np.abs(left))))
@@ -129,9 +129,8 @@ def read_deformation(
     at = places(wanted)
     fields, parts = shapes(stone.place, stone.body)
     there, _ = shapes(at.place, stone.body)
-    trend = Trend.of_shapes(
-        np.einsum("mkc,mc->mk", fields, stone.normal), at.sums(np.einsum("pkc,pc->pk", there, at.way))
-    )
+    seen, figures = np.einsum("mkc,mc->mk", fields, stone.normal), at.sums(np.einsum("pkc,pc->pk", there, at.way))
+    trend = Trend.of_shapes(seen, figures, parts)
     waves = Waves.of(stone.place, stone.normal, at, vault.plan.width)
     deviation = stone.means(refined.placed.distance(refined.points)[:, None])[:, 0]
 
