@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-LARGE = 0.03  # m, standard deviation of each shape beforehand: vaults that stand have moved by centimetres
+LARGE = 0.05  # m, standard deviation of all shapes of a part beforehand: vaults that stand have moved by centimetres
 SHORT = 0.75  # m below the springing in which a movement of walls may fade
 TWICE = 2.0  # times that, or to the floor
 

@@ -34,6 +34,11 @@ FARTHEST = 0.06  # m off the model; a block farther off is no stone of this vaul
 ROUNDED = 0.1  # m from an edge, where stone is rounded and plastered
 BLOCKS = 400  # of stone at the most
 OUTLYING, LEAST = 5.0, 0.0008  # robust scatters of what the shapes leave of blocks, beyond which one is none; least [m]
+STRANGE = (
+    0.05  # share of the vault's stone, of which that many blocks are none, from which on the vault is not quite this
+)
+SUPPLE = 5.0  # standard deviations are wider by this where webs give way to a movement; see `docs/measured.md`
+UNWEIGHED = 3.0  # standard deviations are wider by this where no way of building could be weighed
 LIKELY, MOST_WAYS = 0.02, 4  # chance of a way of building, below which it does not count, and how many do at most
 ROUGHLY = 5  # of the fields that are weighed, one in so many squared tells mechanisms apart
 CAUTION = (
@@ -45,12 +50,18 @@ CAUTION = (
 
 @dataclass(frozen=True)
 class _Stone:
-    """Blocks of stone about a vault: deviations (m,) [m] from the fitted one, where they are, and its shapes there."""
+    """Blocks of stone about a vault: deviations (m,) [m] from the fitted one, where they are, and its shapes there.
+
+    strange: share (0 to 1) of the vault's stone that was left out, as nothing explains it; astray: by how much it is
+    off what does, root mean square [m].
+    """
 
     refined: Refined
     blocks: Partition
     usable: NDArray[np.bool_]
     body: Body
+    strange: float = 0.0
+    astray: float = 0.0
 
     @classmethod
     def of(cls, refined: Refined) -> _Stone | None:
@@ -82,7 +93,18 @@ class _Stone:
             left = rest - whole.slopes @ whole.likeliest(rest, near)
         usable = self.usable.copy()
         usable[np.flatnonzero(usable)[~near]] = False
-        return replace(self, usable=usable)
+        weight = np.where(self.place[:, 2] > 0, self.blocks.weight[self.usable], 0.0)  # walls have doors and cupboards
+        off = weight * ~near
+        astray = float(np.sqrt(off @ left**2 / max(float(off.sum()), 1e-12)))
+        return replace(self, usable=usable, strange=float(off.sum() / max(float(weight.sum()), 1e-12)), astray=astray)
+
+    @property
+    def misfit(self) -> float:
+        """Standard deviation of all figures [m], as the vault is not quite of this family, or was built otherwise.
+
+        Stone is left out where furniture and frames hide it. Where much of the vault is, it is the vault that is wrong.
+        """
+        return self.astray if self.strange > STRANGE else 0.0
 
     @property
     def place(self) -> Array:
@@ -134,8 +156,10 @@ def read_deformation(
     waves = Waves.of(stone.place, stone.normal, at, vault.plan.width)
     deviation = stone.means(refined.placed.distance(refined.points)[:, None])[:, 0]
 
+    wider = (SUPPLE if vault.supple else 1.0) * (1.0 if choices else UNWEIGHED)
+
     def told(id: str, reference: str, mean: Array, std: Array) -> Against:
-        figures = zip(wanted, mean, honest(std, registration), strict=True)
+        figures = zip(wanted, mean, honest(np.hypot(wider * std, stone.misfit), registration), strict=True)
         return Against(id, reference, tuple(movement_of(one, m, s, yaw) for one, m, s in figures))
 
     fitted = estimated(deviation, trend, waves)
@@ -151,7 +175,7 @@ def read_deformation(
         local = estimated(left, bare, waves)
         against.append(told("as_built", "the smooth surface through the stone as it stands", local.mean, local.std))
     resembles = _resemblances(ways[0], trend, parts, waves)
-    return Deformation(tuple(against), resembles, _verdict(against[0], resembles), CAUTION)
+    return Deformation(tuple(against), resembles, _verdict(against[0], resembles), _caution(stone, choices))
 
 
 _Way = tuple[float, Array, tuple[Array, Array, Array]]
@@ -162,7 +186,8 @@ def _ways(stone: _Stone, choices: Sequence[Choice], demands: Demands) -> list[_W
     """The likely ways in which the vault may have been built."""
     refined = stone.refined
     if not choices:
-        return [(1.0, *_way(stone, refined.loose))]
+        free = demands.freedom(refined.placed.vault)
+        return [(1.0, *_way(stone, _at_rest(refined, refined.placed, (*POSE, *free.names), free)))]
     found = []
     for choice in choices[:MOST_WAYS]:
         if choice.chance >= LIKELY or choice is choices[0]:
@@ -220,6 +245,27 @@ def _built_words(choices: Sequence[Choice]) -> str:
     kinds = dict.fromkeys(" and ".join(dict.fromkeys(kind.id for kind in way)) for way in ways if way)
     arches = f", with {', or '.join(kinds)} arches" if kinds else ""
     return f"the vault before it moved, springing level, walls plumb from their foot{arches}; all weighed by their odds"
+
+
+def _caution(stone: _Stone, choices: Sequence[Choice]) -> tuple[str, ...]:
+    """What a reading cannot tell, and what is doubtful about this one."""
+    doubts = []
+    if not choices:
+        doubts.append(
+            "No way in which it may have been built could be weighed against others: what the fit holds of its shape "
+            f"may be false. All limits are {UNWEIGHED:g} times as wide."
+        )
+    if stone.refined.placed.vault.supple:
+        doubts.append(
+            "Webs such as these take up a movement by their own shape: a fall of the crown can pass for a spread. "
+            f"All limits are {SUPPLE:g} times as wide."
+        )
+    if stone.misfit > 0:
+        doubts.append(
+            f"{100 * stone.strange:.0f} % of the vault's stone lies {1000 * stone.astray:.0f} mm off any vault of this "
+            "kind, moved or not: it may be of another kind. All limits are wider by that."
+        )
+    return (*doubts, *CAUTION)
 
 
 def _verdict(built: Against, resembles: tuple[Resemblance, ...]) -> str:

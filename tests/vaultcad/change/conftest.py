@@ -12,9 +12,9 @@ from vaultcad.pipeline import FitSettings, fit_scan
 from vaultcad.scanner import ScannerSettings, VirtualScan, scan
 
 VAULT = Barrel(span=4.4, length=5.0, profile=Semicircular())
-STILL = ScannerSettings(points=60_000, settlement=0.0, noise=0.002, yaw=0.3, openings=1, furniture=1, tie_rods=1)
+STILL = ScannerSettings(points=25_000, settlement=0.0, noise=0.002, yaw=0.3, openings=1, furniture=1, tie_rods=1)
 MOVED = replace(STILL, crown_fall=0.03, spread_x=0.02)
-AGAIN = replace(STILL, visit=1, points=80_000)
+AGAIN = replace(STILL, visit=1, points=33_000)
 SUNK = replace(AGAIN, crown_fall=0.01)
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from families import FAMILIES
-from vaultcad.change.mechanisms import MECHANISMS, PARTS, Body, shapes
+from vaultcad.change.mechanisms import LARGE, MECHANISMS, PARTS, Body, shapes
 from vaultcad.change.motion import Places, Trend, Waves, estimated
 from vaultcad.change.places import Sights, azimuth, places, readings, wind
 
@@ -39,6 +39,15 @@ def test_figures_are_read_on_the_vault_and_rigid_motions_are_no_spread(family):
     assert abs(vault.distance(crown[None])[0]) < 1e-6
 
 
+@pytest.mark.parametrize("count", [1, 7])
+def test_a_part_moves_by_as_much_however_many_shapes_it_has(count):
+    parts = np.array([*["sinking"] * count, "tilt"])
+    trend = Trend.of_shapes(np.zeros((3, count + 1)), np.zeros((1, count + 1)), parts)
+    variance = 1 / trend.precision
+    assert variance[:-1].sum() == pytest.approx(LARGE**2)
+    assert variance[-1] == pytest.approx(LARGE**2)
+
+
 def test_azimuths_count_clockwise_from_y():
     assert azimuth(np.array([0.0, 1.0, 0.0]), 0.0) == pytest.approx(0)
     assert azimuth(np.array([1.0, 0.0, 0.0]), 0.0) == pytest.approx(90)
@@ -59,7 +68,7 @@ def test_limits_hold_for_motions_that_are_waves():
     none = Trend(np.zeros((150, 1)), np.ones(1), np.zeros(1), np.zeros((1, 1)))
     waves = Waves.of(place, normal, figures, 5.0)
     off = []
-    for _ in range(60):
+    for _ in range(40):
         moved = 0.01 * factor @ rng.standard_normal(151)
         found = estimated(moved[:150] + rng.normal(0, 0.001, 150), none, waves)
         off.append((found.mean[0] - moved[150]) / found.std[0])
