@@ -159,6 +159,9 @@ def single(command: Callable[..., Any], name: str, help: str | None = None) -> A
 
 
 Seed = Annotated[int, number_info("seed", Bounds(0, inf, "1", "of all that is random"), integer=True)]
+Force = Annotated[
+    bool, typer.Option("--force", help="Replace an earlier result although a person has changed it since.")
+]
 AsBuilt = Annotated[
     Literal["ideal", "as-built", "both"],
     typer.Option(

@@ -18,7 +18,7 @@ from segmentation.cloud import Cloud
 from segmentation.io.whole import writing
 from vaultcad.change.two_dates import ScanChange, VaultChange
 from vaultcad.change.words import in_words
-from vaultcad.export.folder import Place, replacing_folder
+from vaultcad.export.folder import Place, check_target, replacing_folder
 from vaultcad.export.movements import millimetres, plain_movement
 
 CHANGE, CLOUD, MAP_SVG, MAP_PNG = "change.json", "change.laz", "change.svg", "change.png"
@@ -40,6 +40,7 @@ def write_change(change: ScanChange, out: Path, *, after: str, force: bool = Fal
         ExportError: `out` is no folder, no earlier result or cannot be replaced as a whole, or none can be made there.
         WriteError: the disk is full, or a file cannot be written for another reason of the system's.
     """
+    check_target(out, NAMES, force=True)
     drawing = change_map(change)
     with replacing_folder(out, force=force) as place:
         for name, write in (

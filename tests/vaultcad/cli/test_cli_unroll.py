@@ -66,3 +66,18 @@ def test_what_cannot_be_served_is_refused_in_one_line(result, tmp_path, capsys, 
 def test_a_folder_that_is_no_result_is_refused(tmp_path, capsys):
     assert main(["unroll", str(tmp_path), "-o", str(tmp_path / "maps")]) == 2
     assert "has no model.json" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["unroll", "sections", "drawings", "nurbs"])
+@pytest.mark.parametrize("more", [[], ["--force"]])
+def test_nothing_that_is_made_of_a_fit_takes_its_place(result, capsys, command, more):
+    there = sorted(result.iterdir())
+    assert main([command, str(result), "-o", str(result), *more]) == 2
+    assert "name another folder" in capsys.readouterr().err
+    assert sorted(result.iterdir()) == there
+
+
+def test_drawings_do_not_take_the_place_of_the_model_that_they_show(result, capsys):
+    assert main(["drawings", str(result / "model.json"), "-o", str(result)]) == 2
+    assert "name another folder" in capsys.readouterr().err
+    assert (result / "model.json").is_file()
