@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from families import Vault
 from families.declaration.pieces import BarrelPart, Lid, Part, Turned
 from families.declaration.units import MM
-from vaultcad.nurbs.charts import Chart, chart_of
+from vaultcad.nurbs.chart_choice import chart_of
+from vaultcad.nurbs.charts import Chart
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Edge, TopoDS_Face
