@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from vaultcad.model import Model
 
-STAGES = ("reading", "fitting", "registering", "comparing", "writing")
+STAGES = ("reading", "fitting", "comparing", "writing")
 DEFAULT_ERROR = 0.002  # m
 Error = Annotated[
     float,

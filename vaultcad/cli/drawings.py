@@ -11,7 +11,7 @@ import typer
 if TYPE_CHECKING:
     from vaultcad.sections.section import Section
 
-from vaultcad.cli.options import Force, single
+from vaultcad.cli.options import Force, Vaults, single
 from vaultcad.cli.outputs import check_result, show_kept
 
 Paper = Literal["A4", "A3", "A2", "A1", "A0"]
@@ -29,9 +29,7 @@ def drawings(
         int | None, typer.Option(metavar="N", min=1, help="One to how much, as 50; by default what fits on the paper.")
     ] = None,
     paper: Annotated[Paper | None, typer.Option(help="The paper; by default A3, or larger where it has to be.")] = None,
-    vault: Annotated[
-        list[int] | None, typer.Option(metavar="NUMBER", help="Of this vault alone; may be repeated.")
-    ] = None,
+    vault: Vaults = None,
     force: Force = False,
 ) -> None:
     """Draw a fitted model to scale: sections, plan, dimensions, centres of arches, as DXF, PDF and SVG.
@@ -52,7 +50,7 @@ def drawings(
     check_result(out, [CAD, PAGES], inputs=[path.parent], force=force)
     drawn = buildable(read_model(path))
     cuts = _sections(model) if model.is_dir() else ()
-    made = sheets(drawn, Wish(scale, paper), tuple(vault or ()), cuts)
+    made = sheets(drawn, Wish(scale, paper), sorted({*(vault or ())}), cuts)
     names = [CAD, PAGES, *map(svg_name, made)]
     check_result(out, names, inputs=[path.parent], force=force)
     with replacing_folder(out, force=force) as place:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vaultcad.cli.options import Bounds, Force, number_info, single
+from vaultcad.cli.options import Bounds, Force, Vaults, number_info, single
 from vaultcad.cli.outputs import check_result, show_kept
 
 if TYPE_CHECKING:
@@ -25,12 +25,7 @@ def command() -> Any:
 def nurbs(
     result: Annotated[Path, typer.Argument(help="Folder that vaultcad fit wrote, with model.json and segments.laz.")],
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the files; an earlier result is replaced.")],
-    vault: Annotated[
-        list[int] | None,
-        typer.Option(
-            parser=int, metavar="N", help="Number of a vault, from 1; may be repeated. All of them by default."
-        ),
-    ] = None,
+    vault: Vaults = None,
     net: Net = 0.25,
     force: Force = False,
 ) -> None:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from vaultcad.cli.errors import InputError, refusing
-from vaultcad.cli.options import Bounds, Force, number_info, single
+from vaultcad.cli.options import Bounds, Force, Vault, number_info, single
 from vaultcad.cli.outputs import check_file, check_result, show_kept
 
 SUFFIXES = (".json", ".dxf")
@@ -26,7 +26,7 @@ def sections(
     out: Annotated[
         Path, typer.Option("--out", "-o", help="Folder for all files, or one file: sections.json, sections.dxf.")
     ],
-    vault: Annotated[int | None, typer.Option(metavar="NUMBER", min=1, help="Of this vault alone.")] = None,
+    vault: Vault = None,
     plane: Annotated[
         list[str] | None,
         typer.Option(

@@ -9,15 +9,11 @@ from typing import Annotated, Any
 import typer
 
 from vaultcad.cli.errors import InputError
-from vaultcad.cli.options import Bounds, Force, number_info, single
+from vaultcad.cli.options import Bounds, Force, Vault, number_info, single
 from vaultcad.cli.outputs import check_file, check_result, show_kept
 from vaultcad.cli.status import status
 
 STAGES = ("reading", "laying flat", "writing")
-Number = Annotated[
-    int | None,
-    number_info("vault", Bounds(1, 10_000, "1", "of the result that is laid flat; all if left out"), integer=True),
-]
 Pixel = Annotated[
     float | None, number_info("pixel", Bounds(0.0005, 0.5, "m", "side of a pixel; if left out, as points lie"))
 ]
@@ -31,7 +27,7 @@ def command() -> Any:
 def unroll(
     result: Annotated[Path, typer.Argument(help="Folder that vaultcad fit -o wrote.")],
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the maps, or with --back the file to write.")],
-    vault: Number = None,
+    vault: Vault = None,
     pixel: Pixel = None,
     what: Annotated[
         str, typer.Option(metavar="NAMES", help="What is mapped, with commas between.")
