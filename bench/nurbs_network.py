@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline, RectBivariateSpline, make_lsq_spline
 
 from vaultcad.labelled_scan import read_labelled_scan
 from vaultcad.nurbs.field import Cells, Domain, fitted
-from vaultcad.nurbs.outline import outline_of
+from vaultcad.nurbs.outline_reader import outline_of
 
 Array = NDArray[np.float64]
 SLAB = 0.03  # m, either side of a section

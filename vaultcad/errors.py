@@ -11,6 +11,10 @@ class NoVaultError(VaultcadError):
     """The scan holds nothing that any family explains."""
 
 
+class NoSuchVaultError(VaultcadError):
+    """A number that no vault of a model has."""
+
+
 class ExportError(VaultcadError):
     """A file could not be written, or did not read back as what was meant."""
 

@@ -98,6 +98,8 @@ def read_labelled_scan(folder: Path | str) -> LabelledScan:
                 found["color"] = np.column_stack([points.red, points.green, points.blue])
             for name, values in found.items():
                 parts.setdefault(name, []).append(values)
+    if not parts:
+        raise ModelFileError(f"{path}: has no points; give what vaultcad fit wrote")
     whole = {name: np.concatenate(values) for name, values in parts.items()}
     if whole["vault"].max(initial=0) > len(model.vaults) or whole["arch"].max(initial=0) > len(model.arches):
         raise ModelFileError(f"{path}: has labels of more vaults than {MODEL}; give both files of one fit")

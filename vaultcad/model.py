@@ -17,6 +17,7 @@ from segmentation.crs import Crs
 from segmentation.notes import Note
 from vaultcad.deformation import Deformation
 from vaultcad.displacement import Displacement
+from vaultcad.errors import NoSuchVaultError
 
 
 @dataclass(frozen=True)
@@ -347,6 +348,11 @@ class Assembly:
         if own is None or self.drawn == "ideal":
             return (None,)
         return (own,) if self.drawn == "as-built" else (None, own)
+
+    def check_number(self, number: int) -> None:
+        """See that a vault has that number, counted from 1; raises NoSuchVaultError where none does."""
+        if not 1 <= number <= len(self.vaults):
+            raise NoSuchVaultError(f"vault {number}: there is none; give 1 to {len(self.vaults)}")
 
     def thickness_of(self, placed: PlacedVault) -> float:
         """Of the masonry of one of its vaults or arches [m]."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from pathlib import Path as FilePath
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +15,24 @@ from families.drawing.sheet import Area, Cells, Dots, Drawing, Line, Mark, Text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+def write_png(
+    drawing: Drawing, path: FilePath, size: tuple[float, float], dpi: float, *, top: float, look: Mapping[str, Any]
+) -> None:
+    """Write the drawing as a picture of that size [inch], whatever matplotlib is set to elsewhere.
+
+    top: the share of the height up to which it reaches, with its title. look: matplotlib's settings besides.
+    """
+    from matplotlib import style
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    with style.context(["default", dict(look)]):
+        figure = Figure(figsize=size, dpi=dpi)
+        FigureCanvasAgg(figure)
+        paint(figure.add_axes((0, 0, 1, top)), drawing)
+        figure.savefig(path, format="png", metadata={"Software": None})
 
 
 def paint(axes: Axes, drawing: Drawing, width: float | None = None) -> None:

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import atan2, ceil, cos, hypot, pi, sin, tan
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +14,10 @@ from OCP.Geom import Geom_BezierCurve, Geom_BSplineCurve, Geom_Circle, Geom_Curv
 from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_Curve, Geom2d_Line
 from OCP.gp import gp_Ax2, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array1OfPnt2d
-from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
+from OCP.TColStd import TColStd_Array1OfReal
 
 from families.declaration.units import MM
+from families.solid.occ.splines import spline_data
 from families.solid.splines import DEGREE, evaluated, interpolated
 from families.void.profile_outline import Bow
 
@@ -285,26 +285,6 @@ def shares(count: int) -> Array:
     """Shares (`count`,) from 0 to 1, the denser towards the ends, where splines are the least accurate."""
     found: Array = (1 - np.cos(np.linspace(0, np.pi, count))) / 2
     return found
-
-
-def spline_data(
-    knots: Array, poles: Array, degree: int, array: Any, made: Any
-) -> tuple[Any, TColStd_Array1OfReal, TColStd_Array1OfInteger, int]:
-    """A spline that ends at its first and last pole, as OpenCASCADE takes it."""
-    places = array(1, len(poles))
-    for k, pole in enumerate(poles.tolist(), 1):
-        places.SetValue(k, made(*pole))
-    return places, *counted(knots), degree
-
-
-def counted(knots: Array) -> tuple[TColStd_Array1OfReal, TColStd_Array1OfInteger]:
-    """Knots of a spline, each once, and how often each counts."""
-    values, counts = np.unique(knots, return_counts=True)
-    once, times = TColStd_Array1OfReal(1, len(values)), TColStd_Array1OfInteger(1, len(values))
-    for k, (value, count) in enumerate(zip(values.tolist(), counts.tolist(), strict=True), 1):
-        once.SetValue(k, value)
-        times.SetValue(k, count)
-    return once, times
 
 
 def point(vector: Array) -> Point:

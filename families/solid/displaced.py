@@ -18,7 +18,7 @@ from OCP.Geom import Geom_BSplineCurve, Geom_BSplineSurface, Geom_Curve, Geom_Su
 from OCP.GeomAbs import GeomAbs_C2
 from OCP.GeomAdaptor import GeomAdaptor_Surface
 from OCP.gp import gp_Pnt, gp_Pnt2d
-from OCP.TColgp import TColgp_Array1OfPnt, TColgp_Array2OfPnt
+from OCP.TColgp import TColgp_Array1OfPnt
 from OCP.TColStd import TColStd_Array1OfReal
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_FORWARD, TopAbs_SOLID, TopAbs_VERTEX
 from OCP.TopExp import TopExp
@@ -37,8 +37,9 @@ from OCP.TopoDS import (
 from OCP.TopTools import TopTools_IndexedMapOfShape
 
 from families.declaration.units import MM
-from families.solid.curves import counted, shares, spline_data
+from families.solid.curves import shares
 from families.solid.occ.shapes import is_sound, together
+from families.solid.occ.splines import bspline_surface, spline_data
 from families.solid.splines import DEGREE, evaluated, interpolated
 
 Array = NDArray[np.float64]
@@ -174,12 +175,7 @@ class _Moved:
 
         breaks = _breaks(adaptor.NbUIntervals, adaptor.UIntervals), _breaks(adaptor.NbVIntervals, adaptor.VIntervals)
         (along_u, along_v), poles = _net(at, breaks)
-        array = TColgp_Array2OfPnt(1, poles.shape[0], 1, poles.shape[1])
-        for i, row in enumerate(poles.tolist(), 1):
-            for j, pole in enumerate(row, 1):
-                array.SetValue(i, j, gp_Pnt(*pole))
-        (u, times_u), (v, times_v) = counted(along_u), counted(along_v)
-        return Geom_BSplineSurface(array, u, v, times_u, times_v, DEGREE, DEGREE)
+        return bspline_surface(along_u, along_v, poles, DEGREE)
 
 
 def _net(at: Callable[[Array, Array], Array], breaks: tuple[Array, Array]) -> tuple[tuple[Array, Array], Array]:

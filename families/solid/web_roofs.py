@@ -27,8 +27,9 @@ from families.declaration.units import MM
 from families.solid import arches
 from families.solid.arches import HalfArch, arch_parameters, half_arches
 from families.solid.boundary import Step
-from families.solid.curves import Conic, Path, Point, Spline, counted, drawn
+from families.solid.curves import Conic, Path, Point, Spline, drawn
 from families.solid.heights import WEB, WIDTH
+from families.solid.occ.splines import counted
 from families.solid.plan_cells import SAME_PLACE, Cut, Way
 from families.solid.roofs import NOTHING, Roof
 from families.solid.splines import DEGREE, interpolated

@@ -80,6 +80,11 @@ class Meridian:
         slope = np.concatenate([row[3] for row in rows])
         return Meridian(length, u, z, spring, tuple(breaks), np.concatenate(knots), slope)
 
+    def corners(self, low: float, high: float) -> tuple[float, ...]:
+        """Its corners on either side, by their lengths between two, negative on the one [m], in their order."""
+        both = {*self.breaks, *(-at for at in self.breaks)}
+        return tuple(sorted(at for at in both if low < at < high))
+
     def at(self, length: Array) -> tuple[Array, Array]:
         """Distances from the axis and heights (n,) [m] at lengths (n,) from the crown."""
         return np.interp(length, self.length, self.u), np.interp(length, self.length, self.z)
@@ -160,8 +165,7 @@ class DrawnPatch(Patch):
     @property
     def creases(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Corners of the profile on either side."""
-        both = {*self.meridian.breaks, *(-at for at in self.meridian.breaks)}
-        return tuple(sorted(at for at in both if self.box[0] < at < self.box[1])), ()
+        return self.meridian.corners(*self.box[:2]), ()
 
     def place(self, a: Array, b: Array) -> Array:
         """Points."""
@@ -204,8 +208,7 @@ class TurnedPatch(Patch):
     @property
     def creases(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Corners of the profile; the point of a dome is none."""
-        both = {*self.meridian.breaks, *(-at for at in self.meridian.breaks)}
-        return tuple(sorted(at for at in both if self.box[0] < at < self.box[1])), ()
+        return self.meridian.corners(*self.box[:2]), ()
 
     def place(self, a: Array, b: Array) -> Array:
         """Points."""

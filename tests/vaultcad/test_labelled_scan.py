@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import laspy
 import numpy as np
 import pytest
 
@@ -63,6 +64,11 @@ def test_a_folder_that_is_no_result_is_refused(tmp_path, make_model, vault_scan)
         read_labelled_scan(tmp_path)
     left(tmp_path / "out", make_model("groin"), cloud, replace(labels, vault=labels.vault + 1))
     with pytest.raises(ModelFileError, match="labels of more vaults"):
+        read_labelled_scan(tmp_path / "out")
+    las = laspy.read(tmp_path / "out" / SEGMENTS)
+    las.points = las.points[:0]
+    las.write(tmp_path / "out" / SEGMENTS)
+    with pytest.raises(ModelFileError, match="has no points"):
         read_labelled_scan(tmp_path / "out")
     write_cloud(tmp_path / "out" / SEGMENTS, xyz)
     with pytest.raises(ModelFileError, match="no dimension"):

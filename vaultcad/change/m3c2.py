@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vaultcad.group_medians import group_medians
+
 Array = NDArray[np.float64]
 
 SURE = 1.96  # standard deviations of the 95 % of a normal distribution
@@ -81,9 +83,9 @@ def in_cylinders(cores: Array, sheet: Sheet, radius: float) -> Cylinders:
     sizes = np.array([len(one) for one in near], np.int64)
     core = np.repeat(np.arange(len(cores)), sizes)
     offset = sheet.offset[np.concatenate([np.asarray(one, np.int64) for one in near])] if sizes.any() else np.empty(0)
-    middle = _medians(core, offset, sizes)
+    middle = group_medians(core, offset, len(cores))
     off = np.abs(offset - middle[core])
-    scatter = 1.4826 * _medians(core, off, sizes)
+    scatter = 1.4826 * group_medians(core, off, len(cores))
     kept = off <= TRIMMED * np.maximum(scatter, 1e-6)[core]
     core, offset = core[kept], offset[kept]
     count = np.bincount(core, minlength=len(cores))
@@ -91,16 +93,3 @@ def in_cylinders(cores: Array, sheet: Sheet, radius: float) -> Cylinders:
     square = np.bincount(core, (offset - mean[core]) ** 2, len(cores))
     std = np.sqrt(square / np.maximum(count - 1, 1))
     return Cylinders(np.where(count > 0, mean, np.nan), std, count.astype(np.int64))
-
-
-def _medians(group: NDArray[np.int64], values: Array, sizes: NDArray[np.int64]) -> Array:
-    """Medians (m,) of values (n,) by their groups, which follow each other; NaN for empty ones."""
-    found = np.full(len(sizes), np.nan)
-    if len(values) == 0:
-        return found
-    ordered = values[np.lexsort((values, group))]
-    start = np.concatenate([[0], np.cumsum(sizes)[:-1]])
-    full = sizes > 0
-    low, high = start[full] + (sizes[full] - 1) // 2, start[full] + sizes[full] // 2
-    found[full] = (ordered[low] + ordered[high]) / 2
-    return found

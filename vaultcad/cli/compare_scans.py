@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from vaultcad.cli.options import Bounds, Seed, number_info, single
-from vaultcad.cli.outputs import check_result
+from vaultcad.cli.options import Bounds, Force, Seed, number_info, single
+from vaultcad.cli.outputs import check_result, show_kept
 from vaultcad.cli.reading import KeepMarked, Unit, read_scan, show_notes
 from vaultcad.cli.status import status
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from vaultcad.model import Model
 
-STAGES = ("reading", "fitting", "registering", "comparing", "writing")
+STAGES = ("reading", "fitting", "comparing", "writing")
 DEFAULT_ERROR = 0.002  # m
 Error = Annotated[
     float,
@@ -55,9 +55,7 @@ def compare_scans(
     unit: Unit = None,
     keep_marked: KeepMarked = False,
     seed: Seed = 0,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace an earlier result although a person has changed it since.")
-    ] = False,
+    force: Force = False,
 ) -> None:
     """Say what has changed between two scans of one vault: figures with limits, a map, a coloured cloud.
 
@@ -85,8 +83,7 @@ def compare_scans(
         bar.stage("writing")
         place = write_change(change, out, after=after.name, force=force)
     show_notes(model.notes)
-    if place.kept is not None:
-        typer.echo(f"vaultcad: the earlier result had been changed meanwhile; it is kept as {place.kept}", err=True)
+    show_kept(place.kept)
     for line in in_words(change):
         typer.echo(line)
     typer.echo(f"{out}: {', '.join(sorted(NAMES))}")

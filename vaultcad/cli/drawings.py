@@ -11,7 +11,8 @@ import typer
 if TYPE_CHECKING:
     from vaultcad.sections.section import Section
 
-from vaultcad.cli.options import single
+from vaultcad.cli.options import Force, Vaults, single
+from vaultcad.cli.outputs import check_result, show_kept
 
 Paper = Literal["A4", "A3", "A2", "A1", "A0"]
 
@@ -28,12 +29,8 @@ def drawings(
         int | None, typer.Option(metavar="N", min=1, help="One to how much, as 50; by default what fits on the paper.")
     ] = None,
     paper: Annotated[Paper | None, typer.Option(help="The paper; by default A3, or larger where it has to be.")] = None,
-    vault: Annotated[
-        list[int] | None, typer.Option(metavar="NUMBER", help="Of this vault alone; may be repeated.")
-    ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace earlier drawings although a person has changed them since.")
-    ] = False,
+    vault: Vaults = None,
+    force: Force = False,
 ) -> None:
     """Draw a fitted model to scale: sections, plan, dimensions, centres of arches, as DXF, PDF and SVG.
 
@@ -44,23 +41,25 @@ def drawings(
     from vaultcad.drawings.sheet import Wish
     from vaultcad.errors import ModelFileError
     from vaultcad.export.buildable import buildable
-    from vaultcad.export.folder import check_target, replacing_folder
+    from vaultcad.export.folder import replacing_folder
     from vaultcad.model_file import MODEL, read_model
 
     path = model / MODEL if model.is_dir() else model
     if not path.is_file():
         raise ModelFileError(f"{path}: no such file; give the model.json that a fit left, or its folder")
-    check_target(out, [CAD, PAGES], force=force)
+    check_result(out, [CAD, PAGES], inputs=[path.parent], force=force)
     drawn = buildable(read_model(path))
     cuts = _sections(model) if model.is_dir() else ()
-    made = sheets(drawn, Wish(scale, paper), tuple(vault or ()), cuts)
-    check_target(out, [CAD, PAGES, *map(svg_name, made)], force=force)
+    made = sheets(drawn, Wish(scale, paper), sorted({*(vault or ())}), cuts)
+    names = [CAD, PAGES, *map(svg_name, made)]
+    check_result(out, names, inputs=[path.parent], force=force)
     with replacing_folder(out, force=force) as place:
         write_drawings(made, drawn.place, place.part)
+    show_kept(place.kept)
     show_notes(drawn.notes)
     for sheet in made:
         typer.echo(f"{sheet.title}, 1:{sheet.scale}")
-    typer.echo(f"{out}: {', '.join([CAD, PAGES, *map(svg_name, made)])}")
+    typer.echo(f"{out}: {', '.join(names)}")
 
 
 def _sections(folder: Path) -> Sequence[Section]:

@@ -19,8 +19,8 @@ from vaultcad.cli.ahead import SOLIDS, importing
 from vaultcad.cli.errors import InputError, refusing
 from vaultcad.cli.further import Further
 from vaultcad.cli.nurbs import NET, tell
-from vaultcad.cli.options import AsBuilt, Axis, Bounds, Seed, number_info, single
-from vaultcad.cli.outputs import check_folder
+from vaultcad.cli.options import AsBuilt, Axis, Bounds, Force, Seed, number_info, single
+from vaultcad.cli.outputs import check_folder, show_kept
 from vaultcad.cli.reading import Columns, KeepMarked, Origin, Unit, doubts, has_up, read_scan, show_notes
 from vaultcad.cli.status import status
 from vaultcad.errors import NoVaultError
@@ -82,9 +82,7 @@ def fit(
         Literal["ply", "laz"] | None,
         typer.Option(help="The vaults' points in the colours of their deviations, too: deviation.ply or .laz."),
     ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace an earlier result although a person has changed it since.")
-    ] = False,
+    force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print report.json instead of the summary.")] = False,
 ) -> None:
     """Fit the vaults in a scan of rooms: STEP, IFC, GLB, labelled points, report.
@@ -158,8 +156,7 @@ def fit(
             progress=lambda name: bar.stage("writing", name),
         )
     show_notes(written.model.notes)
-    if written.kept is not None:
-        typer.echo(f"vaultcad: the earlier result had been changed meanwhile; it is kept as {written.kept}", err=True)
+    show_kept(written.kept)
     if json:
         typer.echo(written.report.rstrip())
     else:

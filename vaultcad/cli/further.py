@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from vaultcad.nurbs.route import FreeRoute
     from vaultcad.pipeline import Result
 
-FREE_FILES = tuple(f"nurbs.{suffix}" for suffix in ("step", "ifc", "glb", "obj", "json"))
-SHEETS = ("drawings.dxf", "drawings.pdf")
 COLOURED = "deviation"  # and a suffix
 Writer = Callable[[Path], None]
 
@@ -30,8 +28,16 @@ class Further:
     @property
     def names(self) -> tuple[str, ...]:
         """Of the files."""
-        coloured = () if self.coloured is None else (f"{COLOURED}.{self.coloured}",)
-        return (*(() if self.net is None else FREE_FILES), *(SHEETS if self.drawings else ()), *coloured)
+        names: list[str] = []
+        if self.net is not None:
+            from vaultcad.export.nurbs_files import NURBS_WRITERS
+
+            names += NURBS_WRITERS
+        if self.drawings:
+            from vaultcad.drawings.bundle import CAD, PAGES
+
+            names += [CAD, PAGES]
+        return (*names, *(() if self.coloured is None else (f"{COLOURED}.{self.coloured}",)))
 
     def writers(
         self, result: Result, cloud: Cloud, stage: Callable[[str, str], None]
@@ -50,7 +56,7 @@ class Further:
             surfaces = free_route(scan, self.net)
             told |= {name: partial(write, surfaces) for name, write in NURBS_WRITERS.items()}
         if self.drawings:
-            from vaultcad.drawings.bundle import sheets
+            from vaultcad.drawings.bundle import CAD, PAGES, sheets
             from vaultcad.drawings.cad import write_dxf
             from vaultcad.drawings.paper import write_pdf
             from vaultcad.export.buildable import buildable
@@ -58,8 +64,7 @@ class Further:
 
             stage("measuring", "sections")
             made = sheets(buildable(result.model), sections=sections(scan))
-            cad, pages = SHEETS
-            told |= {cad: lambda path: write_dxf(made, path, result.model.place), pages: partial(write_pdf, made)}
+            told |= {CAD: lambda path: write_dxf(made, path, result.model.place), PAGES: partial(write_pdf, made)}
         if self.coloured is not None:
             from vaultcad.export.coloured_cloud import write_coloured
 

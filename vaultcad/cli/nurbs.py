@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vaultcad.cli.options import Bounds, number_info, single
-from vaultcad.cli.outputs import check_result
+from vaultcad.cli.options import Bounds, Force, Vaults, number_info, single
+from vaultcad.cli.outputs import check_result, show_kept
 
 if TYPE_CHECKING:
     from vaultcad.nurbs.route import FreeRoute
@@ -25,16 +25,9 @@ def command() -> Any:
 def nurbs(
     result: Annotated[Path, typer.Argument(help="Folder that vaultcad fit wrote, with model.json and segments.laz.")],
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the files; an earlier result is replaced.")],
-    vault: Annotated[
-        list[int] | None,
-        typer.Option(
-            parser=int, metavar="N", help="Number of a vault, from 1; may be repeated. All of them by default."
-        ),
-    ] = None,
+    vault: Vaults = None,
     net: Net = 0.25,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace an earlier result although a person has changed it since.")
-    ] = False,
+    force: Force = False,
 ) -> None:
     """Model vaults by free surfaces: nurbs.step, nurbs.ifc, nurbs.glb, nurbs.obj, nurbs.json.
 
@@ -50,8 +43,7 @@ def nurbs(
     route = free_route(read_labelled_scan(result), net, sorted({*(vault or ())}))
     kept = write_nurbs(route, out, force=force)
     tell(route)
-    if kept is not None:
-        typer.echo(f"vaultcad: the earlier result had been changed meanwhile; it is kept as {kept}", err=True)
+    show_kept(kept)
 
 
 def tell(route: FreeRoute) -> None:

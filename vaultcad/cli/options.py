@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from math import inf, isnan, pi
+from math import inf, isfinite, pi
 from typing import Annotated, Any, Literal, NamedTuple, Protocol
 
 import typer
@@ -110,7 +110,7 @@ def read(text: str, name: str, limits: Limits, *, integer: bool = False) -> floa
         value = float(text) / SHOWN[limits.unit][1]
     except ValueError:
         raise InputError(f"{said}: is no number; give {span(limits)}") from None
-    if isnan(value) or not limits.low <= value <= limits.high:
+    if not isfinite(value) or not limits.low <= value <= limits.high:
         raise InputError(f"{said}: lies outside what can be; give {span(limits)}")
     if integer and value != int(value):
         raise InputError(f"{said}: is no whole number; give {span(limits)}")
@@ -159,6 +159,16 @@ def single(command: Callable[..., Any], name: str, help: str | None = None) -> A
 
 
 Seed = Annotated[int, number_info("seed", Bounds(0, inf, "1", "of all that is random"), integer=True)]
+Vault = Annotated[
+    int | None, number_info("vault", Bounds(1, inf, "1", "number of a vault; all if left out"), integer=True)
+]
+Vaults = Annotated[
+    list[int] | None,
+    number_info("vault", Bounds(1, inf, "1", "number of a vault, may be repeated; all if left out"), integer=True),
+]
+Force = Annotated[
+    bool, typer.Option("--force", help="Replace an earlier result although a person has changed it since.")
+]
 AsBuilt = Annotated[
     Literal["ideal", "as-built", "both"],
     typer.Option(

@@ -6,6 +6,8 @@ import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import typer
+
 from vaultcad.cli.errors import InputError
 
 
@@ -57,6 +59,12 @@ def check_result(out: Path, names: Sequence[str], *, inputs: Iterable[Path] = ()
     check_target(out, names, force=force)
     real = Path(os.path.realpath(out))
     _check_writable(out, next(folder for folder in real.parents if folder.exists()))
+
+
+def show_kept(kept: Path | None) -> None:
+    """One line on standard error about an earlier result that a person changed while its successor was made."""
+    if kept is not None:
+        typer.echo(f"vaultcad: the earlier result had been changed meanwhile; it is kept as {kept}", err=True)
 
 
 def _check_writable(out: Path, folder: Path) -> None:

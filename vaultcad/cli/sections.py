@@ -9,8 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from vaultcad.cli.errors import InputError, refusing
-from vaultcad.cli.options import Bounds, number_info, single
-from vaultcad.cli.outputs import check_file
+from vaultcad.cli.options import Bounds, Force, Vault, number_info, single
+from vaultcad.cli.outputs import check_file, check_result, show_kept
 
 SUFFIXES = (".json", ".dxf")
 PLANE = "X,Y,AZIMUTH"
@@ -26,7 +26,7 @@ def sections(
     out: Annotated[
         Path, typer.Option("--out", "-o", help="Folder for all files, or one file: sections.json, sections.dxf.")
     ],
-    vault: Annotated[int | None, typer.Option(metavar="NUMBER", min=1, help="Of this vault alone.")] = None,
+    vault: Vault = None,
     plane: Annotated[
         list[str] | None,
         typer.Option(
@@ -43,9 +43,7 @@ def sections(
     ] = 0.03,
     grid: Annotated[float, number_info("grid", Bounds(0.002, 0.5, "m", "cells along a line"))] = 0.02,
     png: Annotated[bool, typer.Option("--png", help="Pictures of the sections besides the drawings.")] = False,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace earlier sections although a person has changed them since.")
-    ] = False,
+    force: Force = False,
 ) -> None:
     """Cut scan and model by the planes that each vault's genesis asks for, or by planes given.
 
@@ -53,7 +51,7 @@ def sections(
     each may be, and by which rule it may have been set out. In sections.json, sections.dxf and a drawing a section.
     """
     from segmentation.io.whole import replacing
-    from vaultcad.export.folder import check_target, replacing_folder
+    from vaultcad.export.folder import replacing_folder
     from vaultcad.export.section_files import WRITERS, drawn_names, write_drawings
     from vaultcad.labelled_scan import read_labelled_scan
     from vaultcad.sections.cuts import sections as cut
@@ -61,9 +59,9 @@ def sections(
     planes = [_plane(text) for text in plane or ()]
     single_file = out.suffix.lower() in SUFFIXES
     if single_file:
-        check_file(out, SUFFIXES)
+        check_file(out, SUFFIXES, inputs=[result])
     else:
-        check_target(out, list(WRITERS), force=force)
+        check_result(out, [*WRITERS], inputs=[result], force=force)
     scan = read_labelled_scan(result)
     with refusing():
         found = cut(scan, vault=vault, planes=planes, every=every, slab=slab, grid=grid)
@@ -72,11 +70,12 @@ def sections(
             WRITERS[f"sections{out.suffix.lower()}"](scan.model, found, beside)
     else:
         names = [*WRITERS, *drawn_names(found, ".svg"), *(drawn_names(found, ".png") if png else ())]
-        check_target(out, names, force=force)
+        check_result(out, names, inputs=[result], force=force)
         with replacing_folder(out, force=force) as place:
             for name, write in WRITERS.items():
                 write(scan.model, found, place.part / name)
             write_drawings(found, place.part, pictures=png)
+        show_kept(place.kept)
     for section in found:
         arches = ", ".join(f"{arch.kind} {arch.odds[arch.kind]:.0%}" for arch in section.arches)
         typer.echo(f"{section.id}  {section.points:,} points" + (f"  {arches}" if arches else ""))

@@ -9,15 +9,11 @@ from typing import Annotated, Any
 import typer
 
 from vaultcad.cli.errors import InputError
-from vaultcad.cli.options import Bounds, number_info, single
-from vaultcad.cli.outputs import check_file
+from vaultcad.cli.options import Bounds, Force, Vault, number_info, single
+from vaultcad.cli.outputs import check_file, check_result, show_kept
 from vaultcad.cli.status import status
 
 STAGES = ("reading", "laying flat", "writing")
-Number = Annotated[
-    int | None,
-    number_info("vault", Bounds(1, 10_000, "1", "of the result that is laid flat; all if left out"), integer=True),
-]
 Pixel = Annotated[
     float | None, number_info("pixel", Bounds(0.0005, 0.5, "m", "side of a pixel; if left out, as points lie"))
 ]
@@ -31,7 +27,7 @@ def command() -> Any:
 def unroll(
     result: Annotated[Path, typer.Argument(help="Folder that vaultcad fit -o wrote.")],
     out: Annotated[Path, typer.Option("--out", "-o", help="Folder for the maps, or with --back the file to write.")],
-    vault: Number = None,
+    vault: Vault = None,
     pixel: Pixel = None,
     what: Annotated[
         str, typer.Option(metavar="NAMES", help="What is mapped, with commas between.")
@@ -39,9 +35,7 @@ def unroll(
     back: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Lines drawn on the sheet (dxf, geojson, csv) to bring back.")
     ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Replace an earlier result although a person has changed it since.")
-    ] = False,
+    force: Force = False,
 ) -> None:
     """Lay the intrados flat: maps of deviation, height, intensity and colour, with contour lines and outlines.
 
@@ -51,7 +45,7 @@ def unroll(
     if back is not None:
         _bring_back(result, back, out, vault)
         return
-    from vaultcad.export.folder import check_target, replacing_folder
+    from vaultcad.export.folder import replacing_folder
     from vaultcad.labelled_scan import read_labelled_scan
     from vaultcad.unrolled.maps import UNROLLED, write_maps
     from vaultcad.unrolled.raster import WHAT
@@ -59,7 +53,7 @@ def unroll(
     chosen = tuple(name.strip() for name in what.split(","))
     if unknown := [name for name in chosen if name not in WHAT]:
         raise InputError(f"--what {unknown[0]}: is none of {', '.join(WHAT)}")
-    check_target(out, [UNROLLED], force=force)
+    check_result(out, [UNROLLED], inputs=[result], force=force)
     with status(STAGES) as bar:
         bar.stage("reading")
         scan = read_labelled_scan(result)
@@ -73,6 +67,7 @@ def unroll(
                 what=chosen,
                 progress=lambda name: bar.stage("laying flat", name),
             )
+    show_kept(place.kept)
     _say(written.notes)
     for sheet in written.sheets:
         typer.echo(_told(sheet))

@@ -10,7 +10,6 @@ from vaultcad.drawings.cad import write_dxf
 from vaultcad.drawings.paper import write_pdf, write_svg
 from vaultcad.drawings.sheet import Sheet, Wish
 from vaultcad.drawings.vault_sheet import vault_sheet
-from vaultcad.errors import DrawingError
 from vaultcad.model import Model
 from vaultcad.sections.section import Section
 
@@ -25,13 +24,12 @@ def sheets(
     sections: what `vaultcad.sections.cuts.sections` shows of the scan by the planes of each genesis; may be left out.
 
     Raises:
-        DrawingError: there is no such vault, or a sheet does not fit as it is wished for.
+        NoSuchVaultError: there is no such vault.
+        DrawingError: a sheet does not fit as it is wished for.
     """
-    wish, count = wish or Wish(), len(model.vaults)
     for number in vaults:
-        if not 0 < number <= count:
-            raise DrawingError(f"vault {number}: there is none; the model has {count}, numbered from 1")
-    return [*_sheets(model, wish, vaults, sections)]
+        model.check_number(number)
+    return [*_sheets(model, wish or Wish(), vaults, sections)]
 
 
 def _sheets(model: Model, wish: Wish, vaults: Sequence[int], sections: Sequence[Section]) -> Iterator[Sheet]:

@@ -11,21 +11,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.drawing.deviation_colours import CONVENTION, UNKNOWN, limit_of, shades
-from families.drawing.png import paint
+from families.drawing.png import write_png
 from families.drawing.sheet import Drawing
 from families.drawing.svg import document
 from segmentation.cloud import Cloud
 from segmentation.io.whole import writing
 from vaultcad.change.two_dates import ScanChange, VaultChange
 from vaultcad.change.words import in_words
-from vaultcad.export.folder import Place, replacing_folder
+from vaultcad.export.folder import Place, check_target, replacing_folder
 from vaultcad.export.movements import millimetres, plain_movement
 
 CHANGE, CLOUD, MAP_SVG, MAP_PNG = "change.json", "change.laz", "change.svg", "change.png"
 NAMES = (CHANGE, CLOUD, MAP_SVG, MAP_PNG)
 SCHEMA = 1
 PIXELS = 150.0  # of the map a metre, in SVG
-DPI, INCHES = 130, 9.0  # of the picture
+DPI, INCHES = 130, 9.0  # of the picture, its width
+UNDER_TITLE = 0.97  # of its height
+LOOK = {"font.size": 9, "axes.titlesize": 9}
 MAPPED = 0.25  # m, cells of the map, in each of which there are core points
 GAP = 0.6  # m, between the maps of several vaults
 LEAST_LIMIT = 0.005  # m, at which the scale of colours ends at the least
@@ -40,13 +42,15 @@ def write_change(change: ScanChange, out: Path, *, after: str, force: bool = Fal
         ExportError: `out` is no folder, no earlier result or cannot be replaced as a whole, or none can be made there.
         WriteError: the disk is full, or a file cannot be written for another reason of the system's.
     """
+    check_target(out, NAMES, force=True)
     drawing = change_map(change)
+    size = (INCHES, INCHES * drawing.size[1] / drawing.size[0])
     with replacing_folder(out, force=force) as place:
         for name, write in (
             (CHANGE, lambda path: _write_json(change, path, after)),
             (CLOUD, lambda path: _write_cloud(change, path)),
             (MAP_SVG, lambda path: path.write_text(document(drawing, PIXELS), encoding="utf-8")),
-            (MAP_PNG, lambda path: _write_png(drawing, path)),
+            (MAP_PNG, lambda path: write_png(drawing, path, size, DPI, top=UNDER_TITLE, look=LOOK)),
         ):
             with writing(out / name):
                 write(place.part / name)
@@ -196,16 +200,3 @@ def _grid(one: VaultChange) -> tuple[Any, Any, Any, Any]:
 
 def _limit(change: NDArray[np.floating]) -> float:
     return max(limit_of(change), LEAST_LIMIT)
-
-
-def _write_png(drawing: Drawing, path: Path) -> None:
-    from matplotlib import style
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    with style.context(["default", {"font.size": 9, "axes.titlesize": 9}]):
-        width, height = drawing.size
-        figure = Figure(figsize=(INCHES, INCHES * height / width), dpi=DPI)
-        FigureCanvasAgg(figure)
-        paint(figure.add_axes((0, 0, 1, 0.97)), drawing)
-        figure.savefig(path, format="png", metadata={"Software": None})

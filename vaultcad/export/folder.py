@@ -12,7 +12,7 @@ import platform
 import re
 import shutil
 import time
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Set
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import file_digest
@@ -49,6 +49,8 @@ class Place:
 def check_target(out: Path, names: Collection[str], *, force: bool = False) -> None:
     """See that a result of files with these names may take the place of `out`, before the work that leads to it.
 
+    Only a result of the same kind is replaced: sections do not do away with the fit that they are of.
+
     Raises:
         ExportError: something else is there, or, without `force`, what would be lost; names it and the way out.
     """
@@ -62,8 +64,11 @@ def check_target(out: Path, names: Collection[str], *, force: bool = False) -> N
     if is_mounted(real) or _real(Path()).is_relative_to(real):
         what = "where a disk is mounted" if is_mounted(real) else "the folder that you are in"
         raise ExportError(f"{out} is {what} and cannot be replaced as a whole; name a folder in it, as {out}/result")
-    if _ours(real) is None and any(real.iterdir()):
+    ours = _ours(real)
+    if ours is None and any(real.iterdir()):
         raise ExportError(f"{out} holds other files and no earlier result; name a new or empty folder with -o")
+    if other := _of_another_kind({*(ours or ())} - {MARKER}, {*names}):
+        raise ExportError(f"{out} holds another kind of result, with {other}; name another folder with -o")
     lost = () if force else _lost(real, names)
     if lost:
         name, why = lost[0]
@@ -216,6 +221,13 @@ def _ours(folder: Path) -> Sums | None:
         if json.loads((folder / REPORT).read_text(encoding="utf-8")).get("schema") == 1:
             return {name: None for name in UNMARKED if (folder / name).exists()}
     return None
+
+
+def _of_another_kind(ours: Set[str], names: Set[str]) -> str | None:
+    """A file of an earlier result that tells that it is of another kind than one of files with these names."""
+    if REPORT in ours - names:
+        return REPORT
+    return min(ours) if ours and not ours & names else None
 
 
 def _lost(folder: Path, names: Collection[str]) -> list[tuple[str, str]]:

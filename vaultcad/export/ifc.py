@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from segmentation.io.stamp import stamp
 from vaultcad.export.geometry import Body
 from vaultcad.export.ifc_arch import member
 from vaultcad.export.ifc_author import Author, Entity
 from vaultcad.export.ifc_bodies import as_built, shapes
 from vaultcad.export.ifc_members import type_members
 from vaultcad.export.ifc_places import on_storey, rooms, spatial_structure
+from vaultcad.export.ifc_project import begun
 from vaultcad.export.ifc_properties import common, deviation, load_bearing, masonry, parameters
 from vaultcad.export.ifc_ribs import rib_members
 from vaultcad.measure.building import Building, building_of
@@ -29,16 +29,7 @@ def write_ifc(model: Assembly, path: Path) -> None:
     GlobalIds follow from `model.identity` and the place of the entity in the file, so that a second run changes no id.
     """
     author = Author(seed=model.identity)
-    header(author, model, "model.ifc")
-    project = author.root(
-        "IfcProject",
-        "project",
-        Name=model.scan.stem,
-        RepresentationContexts=(author.context,),
-        UnitsInContext=author.units,
-    )
-    if model.origin.any() or model.crs is not None:
-        map_conversion(author, model)
+    project = begun(author, model, "model.ifc")
     building = building_of(model)
     storeys = spatial_structure(author, project, building)
     placed_in: list[tuple[Entity, int]] = []  # elements with their storeys
@@ -75,39 +66,6 @@ def _name(model: Assembly, building: Building, vault: int) -> str:
         return placed.label or placed.vault.title.capitalize()
     row, place = building.bay(vault)
     return f"Row {row} bay {place}: {placed.vault.title}"
-
-
-def header(author: Author, model: Assembly, name: str) -> None:
-    """What a file says of itself."""
-    header = author.file.header
-    header.file_name.name = name
-    header.file_name.time_stamp = f"{stamp():%Y-%m-%dT%H:%M:%S}"
-    header.file_name.originating_system = header.file_name.preprocessor_version = _program(model)
-    header.file_description.description = ("ViewDefinition [DesignTransferView_V1.0]",)
-
-
-def _program(model: Assembly) -> str:
-    return f"vaultcad {model.versions.get('vaultcad', '')}".strip()
-
-
-def map_conversion(author: Author, model: Assembly) -> None:
-    """Where the model's origin is on the map."""
-    easting, northing, height = (float(v) / model.unit for v in model.origin)
-    named = {"Name": "unknown", "Description": "the scan's own coordinates"}
-    if model.crs is not None:
-        named = {"Name": model.crs.title, "Description": model.crs.name}
-    grid = author.make("IfcProjectedCRS", **named, MapUnit=author.length(model.unit))
-    author.make(
-        "IfcMapConversion",
-        SourceCRS=author.context,
-        TargetCRS=grid,
-        Eastings=easting,
-        Northings=northing,
-        OrthogonalHeight=height,
-        XAxisAbscissa=1.0,
-        XAxisOrdinate=0.0,
-        Scale=1 / model.unit,
-    )
 
 
 def _roof(author: Author, placed: PlacedVault, key: str, name: str, storey: Entity, model: Assembly) -> Entity:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from vaultcad.export.ifc import header, map_conversion
 from vaultcad.export.ifc_author import Author
 from vaultcad.export.ifc_places import on_storey, spatial_structure
+from vaultcad.export.ifc_project import begun
 from vaultcad.export.ifc_properties import deviation
 from vaultcad.export.nurbs_mesh import named_nets
 from vaultcad.export.palette import colour
@@ -23,16 +23,7 @@ def write_nurbs_ifc(route: FreeRoute, path: Path) -> None:
     """Write vaults, metres, relative to the model's origin; ids follow from the scan and the place in the file."""
     model = route.model
     author = Author(seed=f"{model.identity}/nurbs")
-    header(author, model, "nurbs.ifc")
-    project = author.root(
-        "IfcProject",
-        "project",
-        Name=model.scan.stem,
-        RepresentationContexts=(author.context,),
-        UnitsInContext=author.units,
-    )
-    if model.origin.any() or model.crs is not None:
-        map_conversion(author, model)
+    project = begun(author, model, "nurbs.ifc")
     building = building_of(model)
     storeys = spatial_structure(author, project, building)
     held: dict[int, list[object]] = {}

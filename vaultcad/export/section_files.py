@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from families.drawing.png import write_png
 from families.drawing.svg import document
 from vaultcad.export.section_drawing import section_drawing
 from vaultcad.export.section_dxf import write_section_dxf
@@ -32,19 +33,5 @@ def write_drawings(sections: Sequence[Section], folder: Path, *, pictures: bool)
         drawing = section_drawing(section)
         (folder / svg).write_text(document(drawing, PIXELS), encoding="utf-8")
         if pictures:
-            write_png(section, folder / png)
-
-
-def write_png(section: Section, path: Path) -> None:
-    """Write one section as a picture."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    from families.drawing.png import paint
-
-    drawing = section_drawing(section)
-    width, height = (PIXELS * side / INCH for side in drawing.size)
-    figure = Figure(figsize=(width, height), dpi=INCH)
-    paint(figure.add_axes((0, 0, 1, UNDER_TITLE)), drawing)
-    FigureCanvasAgg(figure)
-    figure.savefig(path, metadata={"Software": None})
+            size = (PIXELS * drawing.size[0] / INCH, PIXELS * drawing.size[1] / INCH)
+            write_png(drawing, folder / png, size, INCH, top=UNDER_TITLE, look={})

@@ -12,7 +12,8 @@ from vaultcad.nurbs.charts import Chart
 from vaultcad.nurbs.cusps import alike, kept_apart
 from vaultcad.nurbs.field import Cells, Domain, fitted
 from vaultcad.nurbs.meeting import FreeSurface, crossing, met
-from vaultcad.nurbs.outline import Outline, outline_of
+from vaultcad.nurbs.outline import Outline
+from vaultcad.nurbs.outline_reader import outline_of
 
 Array = NDArray[np.float64]
 BESIDE = 0.03  # m, about edges between components: whose points these are is not known

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from families.declaration.plan import Plan
 from vaultcad.nurbs.charts import Chart
 from vaultcad.nurbs.field import Field
-from vaultcad.nurbs.outline import ON_SIDE, Outline
+from vaultcad.nurbs.outline import Outline
 
 Array = NDArray[np.float64]
 STEP = 1e-5  # m, of differences
@@ -25,6 +25,7 @@ ON_SURFACE = 1e-3  # m, to which a node is on a surface
 IN_SIDE = 1e-2  # m, to which a node of a free edge is in the plan's side or level: walls are no better fitted
 ALONG = 1e-4  # m, to which a node stays in its place along its edge
 SLIDING = 2e-2  # m, by which edges are off their ideal otherwise
+ON_SIDE = 1e-5  # m, from the plan's side or the springing
 ROUNDS = 8
 CROSSING = np.sin(np.radians(5.0))  # of the angle between two surfaces from which on they are intersected
 

@@ -47,14 +47,13 @@ def free_route(scan: LabelledScan, net: float = NET, numbers: Sequence[int] = ()
     """Free surfaces through the vaults of a scan with these numbers, of all by default.
 
     Raises:
-        VaultcadError: there is no vault of that number, or none has free surfaces.
+        NoSuchVaultError: there is no vault of that number.
+        VaultcadError: none has free surfaces.
     """
-    count = len(scan.model.vaults)
     for number in numbers:
-        if not 1 <= number <= count:
-            raise VaultcadError(f"vault {number}: there are {count} vaults, counted from 1")
+        scan.model.check_number(number)
     found, left_out = [], []
-    for number in numbers or range(1, count + 1):
+    for number in numbers or range(1, len(scan.model.vaults) + 1):
         try:
             found.append(_free_vault(scan, number, net))
         except ValueError as error:

@@ -103,13 +103,19 @@ class _Maker:
     """Makes surfaces, then vertices and edges with their curves on the surfaces."""
 
     def __init__(self, form: FreeForm) -> None:
+        from families.solid.occ.splines import bspline_surface
+
         self.form, self.gap = form, 0.0
         self.on_face = [self._charted(face, form) for face in form.outline.faces]
         self.surfaces = [
             spline_surface(form.surfaces[face.field], *_window(rows))
             for face, rows in zip(form.outline.faces, self.on_face, strict=True)
         ]
-        self.geometry = [_geometry(surface) for surface in self.surfaces]
+        # Parameters [mm], too, so that they run about as fast as places.
+        self.geometry = [
+            bspline_surface(surface.knots_u * MM, surface.knots_v * MM, surface.points * MM, DEGREE)
+            for surface in self.surfaces
+        ]
         self.vertices = self._vertices()
         self.edges = [self._edge(k, edge) for k, edge in enumerate(form.outline.edges)]
 
@@ -173,12 +179,14 @@ class _Maker:
         from OCP.TopLoc import TopLoc_Location
         from OCP.TopoDS import TopoDS_Edge
 
+        from families.solid.occ.splines import spline_data
+
         builder = BRep_Builder()
         nodes = self.form.outline.nodes[list(edge.nodes)]
         t = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(nodes, axis=0), axis=1))])
         curve = make_interp_spline(t, nodes, DEGREE)
         shape = TopoDS_Edge()
-        geometry = Geom_BSplineCurve(_array(curve.c * MM, TColgp_Array1OfPnt, gp_Pnt), *_knots(curve.t * MM), DEGREE)
+        geometry = Geom_BSplineCurve(*spline_data(curve.t * MM, curve.c * MM, DEGREE, TColgp_Array1OfPnt, gp_Pnt))
         gap = LEAST_GAP
         traces = []
         fine = np.interp(np.arange(0, BETWEEN * (len(t) - 1) + 1) / BETWEEN, np.arange(len(t)), t)
@@ -186,8 +194,8 @@ class _Maker:
             trace = make_interp_spline(t, self.on_face[face][k], DEGREE)
             there = self.surfaces[face](*trace(fine).T)
             gap = max(gap, float(np.linalg.norm(there - curve(fine), axis=1).max()))
-            flat = _array(trace.c * MM, TColgp_Array1OfPnt2d, gp_Pnt2d)
-            traces.append((face, Geom2d_BSplineCurve(flat, *_knots(trace.t * MM), DEGREE)))
+            flat = spline_data(trace.t * MM, trace.c * MM, DEGREE, TColgp_Array1OfPnt2d, gp_Pnt2d)
+            traces.append((face, Geom2d_BSplineCurve(*flat)))
         self.gap = max(self.gap, gap)
         tolerance = SLACK * gap * MM
         builder.MakeEdge(shape, geometry, tolerance)
@@ -205,40 +213,6 @@ class _Maker:
 def _window(rows: dict[int, Array]) -> tuple[Array, Array]:
     places = np.concatenate(list(rows.values()))
     return places.min(axis=0) - MARGIN, places.max(axis=0) + MARGIN
-
-
-def _geometry(surface: SplineSurface) -> Any:
-    """As OpenCASCADE has it [mm], parameters too, so that they run about as fast as places."""
-    from OCP.Geom import Geom_BSplineSurface
-    from OCP.gp import gp_Pnt
-    from OCP.TColgp import TColgp_Array2OfPnt
-
-    n, m, _ = surface.points.shape
-    points = TColgp_Array2OfPnt(1, n, 1, m)
-    for i, row in enumerate((surface.points * MM).tolist(), 1):
-        for j, place in enumerate(row, 1):
-            points.SetValue(i, j, gp_Pnt(*place))
-    (u, times_u), (v, times_v) = _knots(surface.knots_u * MM), _knots(surface.knots_v * MM)
-    return Geom_BSplineSurface(points, u, v, times_u, times_v, DEGREE, DEGREE)
-
-
-def _array(points: Array, kind: Any, point: Any) -> Any:
-    found = kind(1, len(points))
-    for k, place in enumerate(points.tolist(), 1):
-        found.SetValue(k, point(*place))
-    return found
-
-
-def _knots(knots: Array) -> tuple[Any, Any]:
-    """Knots and how often each stands there, as OpenCASCADE takes them."""
-    from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
-
-    values, counts = np.unique(knots, return_counts=True)
-    once, times = TColStd_Array1OfReal(1, len(values)), TColStd_Array1OfInteger(1, len(values))
-    for k, (value, count) in enumerate(zip(values.tolist(), counts.tolist(), strict=True), 1):
-        once.SetValue(k, value)
-        times.SetValue(k, count)
-    return once, times
 
 
 def _area(ring: Array) -> float:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from families import Vault
 from families.void.upright import Upright
+from vaultcad.group_medians import group_medians
 from vaultcad.sections.guide import Guide
 from vaultcad.sections.section import Level, ModelLine, ProfileRun
 from vaultcad.sections.smooth import smooth
@@ -102,8 +103,8 @@ def _cells(guide: Guide, cell: NDArray[np.int64], s: Floats, offset: Floats, sla
     kept = np.ones(len(cell), np.bool_)
     if len(cell):
         keys, group = np.unique(cell, return_inverse=True)
-        middle = _medians(group, offset)
-        scatter = np.maximum(1.4826 * _medians(group, np.abs(offset - middle[group])), FINEST)
+        middle = group_medians(group, offset, len(keys))
+        scatter = np.maximum(1.4826 * group_medians(group, np.abs(offset - middle[group]), len(keys)), FINEST)
         kept = np.abs(offset - middle[group]) <= ALIKE * scatter[group]
     keys, group = np.unique(cell[kept], return_inverse=True)
     count = np.bincount(group, minlength=len(keys))
@@ -117,15 +118,6 @@ def _cells(guide: Guide, cell: NDArray[np.int64], s: Floats, offset: Floats, sla
         own = piece == guide.piece[part.start]
         sample[own] = part.start + np.clip(np.searchsorted(guide.s[part], means[0][own]), 0, part.stop - part.start - 1)
     return Stations(sample, means[0], means[1], std, count)
-
-
-def _medians(group: NDArray[np.int64], values: Floats) -> Floats:
-    """Of the values (n,) of each group 0, 1, ..., each of which has some."""
-    order = np.lexsort((values, group))
-    size = np.bincount(group)
-    first = np.cumsum(size) - size
-    ordered = values[order]
-    return np.asarray((ordered[first + (size - 1) // 2] + ordered[first + size // 2]) / 2, np.float64)
 
 
 def profile(guide: Guide, found: Stations, grid: float) -> tuple[ProfileRun, ...]:

@@ -50,15 +50,16 @@ def sections(
         grid: of the cells in which points are taken together [m].
 
     Raises:
-        VaultcadError: there is no such vault, or no plane meets one.
+        NoSuchVaultError: there is no such vault.
+        VaultcadError: no plane meets one.
         ValueError: a length is not positive.
     """
     for name, value in (("slab", slab), ("grid", grid)):
         if not value > 0:
             raise ValueError(f"{name} = {value!r} m is no length; give one above 0")
     model = scan.model
-    if vault is not None and not 1 <= vault <= len(model.vaults):
-        raise VaultcadError(f"vault = {vault}: there is none; the model has 1 to {len(model.vaults)}")
+    if vault is not None:
+        model.check_number(vault)
     local = [(x - float(model.origin[0]), y - float(model.origin[1]), azimuth) for x, y, azimuth in planes]
     found: list[Section] = []
     for number, fitted in enumerate(model.vaults, 1):
@@ -73,7 +74,8 @@ def sections(
             found += _cuts(scan, arch, mine, first, f"a{number}", (0, number), slab, grid)
     if not found:
         told = "; ".join(f"{x:g},{y:g}" for x, y, _ in planes)
-        raise VaultcadError(f"planes through {told}: meet no vault; give places within one, in the scan's coordinates")
+        asked_for = f"planes through {told}" if planes else "the planes that are asked for"
+        raise VaultcadError(f"{asked_for}: meet no vault; give places within one, in the scan's coordinates")
     return tuple(found)
 
 

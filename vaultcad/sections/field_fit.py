@@ -24,6 +24,7 @@ COARSER = slice(None, None, 4)  # of strengths and roughnesses, to be quick
 STEPS = 10  # of Gauss and Newton at most
 STILL = 1e-3  # standard deviations beforehand, of the largest step, at which the fit has come to rest
 FIRST_STRENGTH, FIRST_ROUGHNESS = 0.005, 0.002  # m, of the motion by which the curve is first fitted
+SHARES = (1.0, 0.5, 0.25, 0.1)  # of a step that are tried
 NOISE = 0.01  # m, by which points are weighed against what is known beforehand
 
 
@@ -106,46 +107,61 @@ def _at_rest(
 ) -> Floats:
     """Where Gauss and Newton's steps come to rest for a usual motion."""
     middle = len(points.values) // 2
-    root = 1 / np.sqrt(FIRST_STRENGTH**2 * points.values[middle] + FIRST_ROUGHNESS**2)
-    values, here, cost = start, residuals(start), np.inf
-    for _ in range(STEPS):
-        lean = root[:, None] * (points.vectors[middle].T @ slopes(values, here))
-        white = root * (points.vectors[middle].T @ here)
-        step = np.linalg.solve(lean.T @ lean + np.diag(precision), lean.T @ white + precision * (values - mean))
-        for share in (1.0, 0.5, 0.25, 0.1):
-            tried = values - share * step
-            left = residuals(tried)
-            new = float(
-                ((root * (points.vectors[middle].T @ left)) ** 2).sum() + (precision * (tried - mean) ** 2).sum()
-            )
-            if new < cost:
-                break
-        else:
-            break
-        done = (np.abs(tried - values) * np.sqrt(precision)).max() < STILL
-        values, here, cost = tried, left, new
-        if done:
-            break
-    return values
+    vectors, root = (
+        points.vectors[middle].T,
+        1 / np.sqrt(FIRST_STRENGTH**2 * points.values[middle] + FIRST_ROUGHNESS**2),
+    )
+
+    def system(values: Floats, here: Floats) -> tuple[Floats, Floats]:
+        lean, white = root[:, None] * (vectors @ slopes(values, here)), root * (vectors @ here)
+        return lean.T @ lean, lean.T @ white
+
+    def cost(left: Floats, off: Floats) -> float:
+        return float(((root * (vectors @ left)) ** 2).sum() + (precision * off**2).sum())
+
+    return _rested(residuals, system, cost, start, mean, precision)
 
 
 def _nearest(residuals: Residuals, slopes: Slopes, start: Floats, mean: Floats, precision: Floats) -> Floats:
     """Where Gauss and Newton's steps come to rest."""
-    values, here, cost = start, residuals(start), np.inf
-    for _ in range(STEPS):
+
+    def system(values: Floats, here: Floats) -> tuple[Floats, Floats]:
         lean = slopes(values, here) / NOISE
-        right = lean.T @ here / NOISE + precision * (values - mean)
-        step = np.linalg.solve(lean.T @ lean + np.diag(precision), right)
-        for share in (1.0, 0.5, 0.25, 0.1):
+        return lean.T @ lean, lean.T @ here / NOISE
+
+    def cost(left: Floats, off: Floats) -> float:
+        return float((left**2).sum()) / NOISE**2 + float(precision @ off**2)
+
+    return _rested(residuals, system, cost, start, mean, precision)
+
+
+def _rested(
+    residuals: Residuals,
+    system: Callable[[Floats, Floats], tuple[Floats, Floats]],
+    cost: Callable[[Floats, Floats], float],
+    start: Floats,
+    mean: Floats,
+    precision: Floats,
+) -> Floats:
+    """Where Gauss and Newton's steps from a start (n,) come to rest, shortened as long as they cost more.
+
+    system: of values and their residuals the normal matrix (n, n) and its right side (n,), without what is known
+    before. cost: of residuals, and of how far the values are off their mean.
+    """
+    values, here, least = start, residuals(start), np.inf
+    for _ in range(STEPS):
+        normal, right = system(values, here)
+        step = np.linalg.solve(normal + np.diag(precision), right + precision * (values - mean))
+        for share in SHARES:
             tried = values - share * step
             left = residuals(tried)
-            new = float((left**2).sum()) / NOISE**2 + float(precision @ (tried - mean) ** 2)
-            if new < cost:
+            new = cost(left, tried - mean)
+            if new < least:
                 break
         else:
             break
         done = (np.abs(tried - values) * np.sqrt(precision)).max() < STILL
-        values, here, cost = tried, left, new
+        values, here, least = tried, left, new
         if done:
             break
     return values

@@ -12,7 +12,6 @@ from segmentation.cloud import Up, turn_back
 from vaultcad.errors import ExportError
 from vaultcad.labelled_scan import LabelledScan
 from vaultcad.unrolled.drawn_lines import DrawnLine, LiftedLine
-from vaultcad.unrolled.maps import check_number
 from vaultcad.unrolled.raster import LaidScan, lay_scan
 
 STEP = 0.02  # [m] between points of a line in space, which follows the surface
@@ -27,9 +26,10 @@ def lift_lines(scan: LabelledScan, number: int, lines: Sequence[DrawnLine]) -> t
     on the ideal surface.
 
     Raises:
-        ExportError: there is no such vault, or a point that was drawn lies off all parts; names line, point and place.
+        NoSuchVaultError: there is no such vault.
+        ExportError: a point that was drawn lies off all parts; names line, point and place.
     """
-    check_number(scan, number)
+    scan.model.check_number(number)
     laid = lay_scan(scan, number)
     measured = _Measured(laid)
     found, unseen, cut = [], 0, 0

@@ -62,7 +62,7 @@ def read_lines(path: Path) -> list[DrawnLine]:
         raise ExportError(f"{path}: unknown suffix {path.suffix!r}; give one of {', '.join(READERS)}")
     try:
         found = [line for line in reader(path) if len(line.points)]
-    except (ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
+    except (ValueError, KeyError, TypeError, IndexError, AttributeError, csv.Error) as error:
         raise ExportError(f"{path}: cannot be read as {path.suffix[1:]} ({error}); give lines in metres") from error
     if not found:
         raise ExportError(f"{path}: has no lines; draw polylines on the sheet, on layers of your own")
@@ -146,8 +146,11 @@ def _read_csv(path: Path) -> Iterator[DrawnLine]:
 
 def _write_dxf(lines: Sequence[LiftedLine], path: Path) -> None:
     names = [FORBIDDEN.sub("_", line.name) or "0" for line in lines]
+    layers: dict[str, str] = {}  # to DXF names that differ by their case alone are one
+    for name in names:
+        layers.setdefault(name.lower(), name)
     with dxf_document(path, "coordinates of the scan's file") as document:
-        add_layers(document, {name: DRAWN for name in dict.fromkeys(names) if name not in document.layers})
+        add_layers(document, {name: DRAWN for name in layers.values() if name not in document.layers})
         for line, name in zip(lines, names, strict=True):
             document.modelspace().add_polyline3d(line.points.round(6).tolist(), dxfattribs={"layer": name})
 

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 from families.unrolled.gores import MOST_DISTORTED
 from families.unrolled.sheet import Leaf, Sheet
-from vaultcad.errors import ExportError
 from vaultcad.labelled_scan import LabelledScan
 from vaultcad.unrolled.contours import Contour, contours
 from vaultcad.unrolled.drawn_lines import write_sheet
@@ -44,13 +43,14 @@ def write_maps(
     """Write the maps of vaults, by their 1-based numbers, or of all.
 
     Raises:
-        ExportError: there is no such vault, or a sheet would have too many pixels.
+        NoSuchVaultError: there is no such vault.
+        ExportError: a sheet would have too many pixels.
         OSError: a file cannot be written.
     """
     notes: list[str] = []
     told: list[dict[str, Any]] = []
     for number in numbers or range(1, len(scan.model.vaults) + 1):
-        check_number(scan, number)
+        scan.model.check_number(number)
         progress(f"vault {number}")
         laid = lay_scan(scan, number)
         # Lines of both are drawn whatever pictures are asked for.
@@ -79,12 +79,6 @@ def write_maps(
     whole = {"schema": SCHEMA, "about": ABOUT, "unit": "m", "sheets": told}
     (folder / UNROLLED).write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
     return Written(tuple(notes), tuple(told))
-
-
-def check_number(scan: LabelledScan, number: int) -> None:
-    """Raises ExportError if there is no vault of that 1-based number."""
-    if not 1 <= number <= (most := len(scan.model.vaults)):
-        raise ExportError(f"--vault {number}: there is no such vault; give 1 to {most}")
 
 
 def plain_sheet(sheet: Sheet) -> dict[str, Any]:

@@ -14,14 +14,14 @@ from segmentation import read
 from vaultcad import pipeline
 from vaultcad.cli import main
 from vaultcad.cli.fit import STAGES
-from vaultcad.cli.further import SHEETS
+from vaultcad.drawings.bundle import CAD, PAGES
 from vaultcad.export.bundle import REVIEW, WRITERS
 from vaultcad.export.folder import MARKER
 from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.scanner import read_truth
 
 USUAL = {MARKER, SEGMENTS, *WRITERS}
-FILES = {*USUAL, REVIEW, *SHEETS, "deviation.ply"}
+FILES = {*USUAL, REVIEW, CAD, PAGES, "deviation.ply"}
 
 
 @pytest.fixture(scope="module")

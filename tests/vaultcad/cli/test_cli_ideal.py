@@ -116,6 +116,7 @@ def test_lengths_hold_together():
             "--points 10 and --spacing 0.1 exclude each other; leave one out",
         ),
         (["sail", "--seed", "-1"], "--seed -1: lies outside what can be; give 0 or more"),
+        (["sail", "--seed", "inf"], "--seed inf: lies outside what can be; give 0 or more"),
         (["sail", "--depth", "1"], "--depth"),
         (["igloo"], "no vault family is called 'igloo'; there are sail, barrel"),
         (["sail", "extra"], "extra"),

@@ -51,7 +51,7 @@ def test_a_crack_comes_back_in_the_coordinates_of_the_scan(result, tmp_path, cap
     [
         (["--what", "heat"], "--what heat: is none of deviation, height, intensity, colour"),
         (["--pixel", "0"], "lies outside what can be"),
-        (["--vault", "3"], "--vault 3: there is no such vault; give 1 to 1"),
+        (["--vault", "none"], "--vault none: is no number; give 1 or more"),
         (["--back", "lines.svg"], "unknown suffix"),
     ],
 )
@@ -66,3 +66,24 @@ def test_what_cannot_be_served_is_refused_in_one_line(result, tmp_path, capsys, 
 def test_a_folder_that_is_no_result_is_refused(tmp_path, capsys):
     assert main(["unroll", str(tmp_path), "-o", str(tmp_path / "maps")]) == 2
     assert "has no model.json" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["unroll", "sections", "drawings", "nurbs"])
+@pytest.mark.parametrize("more", [[], ["--force"]])
+def test_nothing_that_is_made_of_a_fit_takes_its_place(result, capsys, command, more):
+    there = sorted(result.iterdir())
+    assert main([command, str(result), "-o", str(result), *more]) == 2
+    assert "name another folder" in capsys.readouterr().err
+    assert sorted(result.iterdir()) == there
+
+
+@pytest.mark.parametrize("command", ["unroll", "sections", "drawings", "nurbs"])
+def test_a_vault_that_is_not_there_is_told_in_the_same_way_by_all(result, tmp_path, capsys, command):
+    assert main([command, str(result), "-o", str(tmp_path / "out"), "--vault", "7"]) == 2
+    assert "vault 7: there is none; give 1 to 1" in capsys.readouterr().err
+
+
+def test_drawings_do_not_take_the_place_of_the_model_that_they_show(result, capsys):
+    assert main(["drawings", str(result / "model.json"), "-o", str(result)]) == 2
+    assert "name another folder" in capsys.readouterr().err
+    assert (result / "model.json").is_file()

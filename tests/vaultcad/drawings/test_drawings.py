@@ -10,7 +10,7 @@ from families import FAMILIES
 from vaultcad.drawings.bundle import CAD, PAGES, sheets, svg_name, write_drawings
 from vaultcad.drawings.layers import INKS
 from vaultcad.drawings.sheet import PAPERS, SCALES, Wish
-from vaultcad.errors import DrawingError
+from vaultcad.errors import DrawingError, NoSuchVaultError
 
 IDS = [cls.id for cls in FAMILIES]
 MOST_ENTITIES = 5_000
@@ -78,7 +78,7 @@ def test_a_building_has_a_plan_a_storey_and_a_sheet_a_vault(building, tmp_path):
 def test_what_does_not_fit_is_refused_with_a_way_out(make_model):
     with pytest.raises(DrawingError, match="does not fit on A4 at 1:10; ask for a smaller scale, or a larger paper"):
         sheets(make_model("groin"), Wish(10, "A4"))
-    with pytest.raises(DrawingError, match="vault 2: there is none; the model has 1"):
+    with pytest.raises(NoSuchVaultError, match="vault 2: there is none; give 1 to 1"):
         sheets(make_model("groin"), vaults=(2,))
     assert sheets(make_model("groin"), Wish(20))[0].paper != PAPERS["A3"]  # a larger one is taken
 

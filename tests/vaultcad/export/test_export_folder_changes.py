@@ -68,6 +68,16 @@ def test_what_a_person_changed_is_refused_and_replaced_by_force(tmp_path):
     assert listing(tmp_path) == ["out"]
 
 
+@pytest.mark.parametrize("names", [["sections.json"], ["sections.json", "model.ifc"]])
+def test_a_result_of_another_kind_is_not_replaced_even_by_force(tmp_path, names):
+    out = tmp_path / "out"
+    write(out, "a fit")
+    for force in (False, True):
+        with pytest.raises(ExportError, match=r"another kind of result, with .* name another folder"):
+            check_target(out, names, force=force)
+    assert words(out) == {REPORT % "a fit"}
+
+
 def test_what_a_person_changed_in_the_meantime_is_kept(tmp_path):
     out = tmp_path / "out"
     write(out, "old")

@@ -12,7 +12,7 @@ from PIL import Image
 from families import Barrel, Dome, Groin
 from families.drawing.deviation_colours import shades
 from families.unrolled.sheet import unrolled
-from vaultcad.errors import ExportError
+from vaultcad.errors import ExportError, NoSuchVaultError
 from vaultcad.labelled_scan import LabelledScan
 from vaultcad.model import Pose
 from vaultcad.unrolled.back import lift_lines
@@ -146,7 +146,7 @@ def test_what_is_drawn_beside_the_sheet_is_refused_and_what_crosses_is_cut(make_
     scan = scanned(make_model("groin"), Groin(5.0, 5.0))
     with pytest.raises(ExportError, match=r"stain, point 2 at \(0\.000, 0\.000\) lies off all parts"):
         lift_lines(scan, 1, [DrawnLine("stain", np.array([[3.5, 0.0], [0.0, 0.0]]))])
-    with pytest.raises(ExportError, match="--vault 2: there is no such vault"):
+    with pytest.raises(NoSuchVaultError, match="vault 2: there is none; give 1 to 1"):
         lift_lines(scan, 2, [])
     lifted, notes = lift_lines(scan, 1, [DrawnLine("crack", np.array([[3.5, 0.0], [-3.5, 0.0]]))])
     assert [line.component for line in lifted] == ["web_east", "web_west"]
@@ -196,11 +196,21 @@ def test_lines_are_read_from_and_written_to_each_kind_of_file(barrel, tmp_path, 
     np.testing.assert_allclose(back, there, atol=1e-6)
 
 
+def test_layers_of_lines_whose_names_differ_by_their_case_are_one(barrel, tmp_path):
+    drawn = [DrawnLine(name, np.array([[1.0, -2.0], [1.5, -1.0]])) for name in ("Crack", "crack")]
+    lifted, _ = lift_lines(barrel, 1, drawn)
+    write_lifted(lifted, tmp_path / "lifted.dxf")
+    document = ezdxf.readfile(tmp_path / "lifted.dxf")
+    assert len(document.modelspace()) == 2
+    assert document.layers.get("crack") is document.layers.get("Crack")
+
+
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
         ("a.svg", "<svg/>", r"unknown suffix '\.svg'"),
         ("a.csv", "x,y\n1,2\n", "cannot be read as csv"),
+        ("a.csv", "line,s,t\n" + "x" * 200_000 + ",0,0\n", "cannot be read as csv"),
         ("a.csv", "line,s,t\n", "has no lines"),
         ("a.csv", "line,s,t\ncrack,nan,0\n", "crack has a point that is no number"),
         ("a.geojson", '{"type": "Point", "coordinates": [0, 0]}', "is a Point, no line"),
