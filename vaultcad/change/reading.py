@@ -37,6 +37,9 @@ OUTLYING, LEAST = 5.0, 0.0008  # robust scatters of what the shapes leave of blo
 STRANGE = (
     0.05  # share of the vault's stone, of which that many blocks are none, from which on the vault is not quite this
 )
+HINTS = (
+    "How webs such as these moved cannot be told from one scan: the figures are hints, their limits may be too narrow."
+)
 SUPPLE = 5.0  # standard deviations are wider by this where webs give way to a movement; see `docs/measured.md`
 UNWEIGHED = 3.0  # standard deviations are wider by this where no way of building could be weighed
 LIKELY, MOST_WAYS = 0.02, 4  # chance of a way of building, below which it does not count, and how many do at most
@@ -175,6 +178,8 @@ def read_deformation(
         local = estimated(left, bare, waves)
         against.append(told("as_built", "the smooth surface through the stone as it stands", local.mean, local.std))
     resembles = _resemblances(ways[0], trend, parts, waves)
+    if vault.supple:
+        return Deformation(tuple(against), (), HINTS, _caution(stone, choices))
     return Deformation(tuple(against), resembles, _verdict(against[0], resembles), _caution(stone, choices))
 
 

@@ -57,7 +57,9 @@ def movement_table(movements: Iterable[Movement]) -> str:
 
 
 def resemblance_table(deformation: Deformation) -> str:
-    """As HTML."""
+    """As HTML; nothing where it resembles none."""
+    if not deformation.resembles:
+        return ""
     rows = [[escape(r.mechanism), r.told_odds, percent(r.share), escape(r.says)] for r in deformation.resembles]
     return html_table(["mechanism", "odds", "of what moved", "how it shows"], rows, slice(1, 3), long=(0, 3))
 

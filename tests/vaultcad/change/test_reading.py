@@ -6,6 +6,7 @@ import pytest
 
 from families import Pointed, Rib
 from segmentation.cloud import Cloud
+from vaultcad.change.reading import HINTS
 from vaultcad.deformation import deformation_of
 from vaultcad.export.movements import plain_deformation
 from vaultcad.export.report_deformation import deformation_section
@@ -85,6 +86,8 @@ def test_what_was_held_wrongly_makes_limits_wide_and_is_said():
     crown = found.of("built").movement("crown settlement")
     assert abs(crown.value - 0.03) < crown.limit
     assert any("of another kind" in line for line in found.caution)
+    assert found.verdict == HINTS  # of any vault of such webs
+    assert not found.resembles
 
 
 def test_what_fits_is_not_doubted(read):
