@@ -30,7 +30,7 @@ class Displacement:
     beyond the grid they go on as its border does, so that u is constant far from it.
 
     >>> sunk = Displacement(np.zeros(3), np.ones(3), np.full((1, 1, 1, 3), [0.0, 0.0, -0.02]))
-    >>> sunk(np.array([[3.0, 4.0, 5.0]])).tolist()
+    >>> sunk(np.array([[3.0, 4.0, 5.0]])).round(9).tolist()
     [[0.0, 0.0, -0.02]]
     """
 

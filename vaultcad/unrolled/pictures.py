@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.drawing.deviation_colours import limit_of, shades
+from families.drawing.height_colours import height_shades
 from vaultcad.unrolled.raster import Raster
 
 if TYPE_CHECKING:
@@ -90,8 +91,5 @@ def _palette(what: str, values: NDArray[np.float64], limit: float) -> NDArray[np
         return shades(values, limit)
     share = np.linspace(0, 1, len(values))
     if what == "height":
-        from matplotlib import colormaps
-
-        found: NDArray[np.uint8] = np.rint(255 * colormaps["viridis"](share)[:, :3]).astype(np.uint8)
-        return found
+        return height_shades(share)
     return np.rint(255 * np.repeat(share[:, None], 3, axis=1)).astype(np.uint8)

@@ -63,7 +63,7 @@ def test_an_arch_that_was_edited_is_named_and_one_that_cannot_be_is_refused(buil
     told["arches"][0]["parameters"]["span"] = 4.7
     path.write_text(json.dumps(told))
     assert [note.text for note in read_model(path).notes if note.code == "edited"] == [
-        "arch 1 was edited after the fit, whose deviations and coverage are told"
+        "arch 1 was edited after the fit, whose deviations and coverage are told; bodies are ideal ones"
     ]
     told["arches"][0]["depth"] = [True, None]
     path.write_text(json.dumps(told))

@@ -157,6 +157,7 @@ def test_no_other_file_draws():
 
 def test_no_other_file_has_a_scale_of_colours():
     scales = re.compile(r"\bcmap\b|RdBu|coolwarm|seismic|viridis|colormap|Colormap")
-    assert {path for path, text in sources() if scales.search(text)} == {"families/drawing/deviation_colours.py"}
+    deviations, heights = (f"families/drawing/{of}_colours.py" for of in ("deviation", "height"))
+    assert {path for path, text in sources() if scales.search(text)} == {deviations, heights}
     asked = re.compile(r"\b(2166ac|b2182b|33, 102, 172|178, 24, 43)\b")
-    assert {path for path, text in sources() if asked.search(text)} == {"families/drawing/deviation_colours.py"}
+    assert {path for path, text in sources() if asked.search(text)} == {deviations}

@@ -247,7 +247,8 @@ def test_truth_lies_beside_the_scan_and_holds_all_in_the_order_of_the_file(suffi
     assert told["components"] == list(vault.components)
     assert told["derived"] == vault.derived_values()
     assert told["points"] == len(cloud)
-    assert ScannerSettings(**{**told["settings"], "origin": tuple(told["settings"]["origin"])}) == settings
+    of_json = {name: tuple(v) if isinstance(v, list) else v for name, v in told["settings"].items()}
+    assert ScannerSettings(**of_json) == settings
     local = in_vault_frame(virtual, cloud.xyz + cloud.origin - virtual.origin)[component > 0]
     assert np.abs(vault.distance(local)).max() < MESH + 2e-4
 
