@@ -66,7 +66,7 @@ def find_vaults(
     rngs = rng.spawn(len(ceilings) + len(soffits))
     if any(_is_oblique(soffit, thin) for soffit in soffits):  # as ribs are, which part the webs of one vault
         with suppress(NoVaultError):
-            whole = under_one_ceiling(thin, xyz, families, rng.spawn(1)[0], demands)
+            whole = under_one_ceiling(thin, xyz, families, rng.spawn(1)[0], demands, single=True)
             ribbed = _ribbed(whole, (), parting.hung, thin, xyz, rng)
             if any(rib.line == DIAGONAL for rib in ribbed.arches):
                 return ribbed
@@ -98,7 +98,8 @@ def find_vaults(
     vaults = [one for result in under for one in result]
     arches = [result for result in found if isinstance(result, FoundArch)]
     if not vaults:  # holes and scaffolds can part what is one
-        return _ribbed(under_one_ceiling(thin, xyz, families, rng, demands), arches, parting.hung, thin, xyz, rng)
+        whole = under_one_ceiling(thin, xyz, families, rng, demands, single=True)
+        return _ribbed(whole, arches, parting.hung, thin, xyz, rng)
     _check_share(vaults, ceilings)
     return _ribbed(learned(vaults, demands), arches, parting.hung, thin, xyz, rng)
 

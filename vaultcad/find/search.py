@@ -42,15 +42,18 @@ def under_one_ceiling(
     demands: Demands,
     *,
     part: bool = False,
+    single: bool = False,
     like: Found | None = None,
 ) -> tuple[Found, ...]:
     """The vaults of a scan, or of a part of it, that hang together; `like` is one from which it can begin.
+
+    single: whether it can be one vault alone, its bays having been tried.
 
     Raises:
         NoVaultError: there is none, or not one that agrees with that.
     """
     search = _Search(thin, xyz, CeilingGrid.of(thin), tuple(families), rng, demands, like)
-    found = search.region(search.ceiling.room, part=part)
+    found = search.single() if single else search.region(search.ceiling.room, part=part)
     if not found:
         raise search.refusals[0]
     if like and not agree(found, like):
@@ -86,6 +89,14 @@ class _Search:
             return bays
         gain = 1 / GAIN if one.placed.vault.may_be_several else GAIN
         return bays if self._explained(bays, region) > gain * self._explained([one], region) else [one]
+
+    def single(self) -> list[Found]:
+        """The one vault over all of it.
+
+        Raises:
+            NoVaultError: none is near enough to what hangs there, or too little of it is there.
+        """
+        return [self._fit(self.ceiling.room, part=False)]
 
     def _fit(self, region: Region, part: bool) -> Found:
         """One vault over all of a region, which may be a part of the scan only.
