@@ -72,9 +72,6 @@ def weigh(
     search = _ChoiceSearch(moved, demands)
     if not search.among(refined.placed, refined.kept, known):
         search.around(refined.placed, refined.kept)
-    if not search.fitted:  # no vault here has what makes the family, which the fit took nevertheless, as was demanded
-        search = replace(search, strict=False)
-        search.around(refined.placed, refined.kept)
     fitted = sorted(search.fitted.values(), key=lambda one: -one.score)
     if not fitted:
         return ()
@@ -117,14 +114,10 @@ def _first(fitted: Sequence[_Fitted], kept: set[str]) -> _Fitted:
 
 @dataclass(frozen=True)
 class _ChoiceSearch:
-    """The choices that were fitted so far, by kinds and the names of the constraints that are kept.
-
-    strict: whether only vaults count that have what makes their family.
-    """
+    """The choices that were fitted so far, by kinds and the names of the constraints that are kept."""
 
     moved: Field
     demands: Demands
-    strict: bool = True
     fitted: dict[tuple[Kinds, frozenset[str]], _Fitted] = field(default_factory=dict)
 
     def among(self, placed: Placed, kept: tuple[Constraint, ...], known: Sequence[Choice]) -> bool:
@@ -185,7 +178,7 @@ class _ChoiceSearch:
         free = self.demands.freedom(begun.vault, kept)
         solution = moved.evidence.solve(begun, free, (moved.scale,), most=FIT_STEPS, gain=GAIN)
         fitted = solution.placed.vault
-        if (is_its_family(fitted) or not self.strict) and self.demands.met(fitted) and moved.near(solution):
+        if is_its_family(fitted) and self.demands.met(fitted) and moved.near(solution):
             score = moved.log_likelihood(solution) + log_prior(fitted, kept)
             self.fitted[key] = _Fitted(solution, kept, score)
 

@@ -183,5 +183,5 @@ def test_the_same_scan_gives_the_same_bytes(files, tmp_path):
 
 
 def test_a_vault_that_is_not_there_is_refused_by_number():
-    with pytest.raises(VaultcadError, match="vault 2: there are 1 vaults"):
+    with pytest.raises(VaultcadError, match="vault 2: there is none; give 1 to 1"):
         free_route(scan_of(Groin())[0], numbers=[2])

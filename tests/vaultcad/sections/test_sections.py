@@ -96,7 +96,7 @@ def test_what_cannot_be_cut_is_refused(make_model, tmp_path, capsys):
     scan = scanned(make_model, Barrel(), points=5_000)
     with pytest.raises(VaultcadError, match="meet no vault"):
         sections(scan, planes=[(500.0, 500.0, 0.0)])
-    with pytest.raises(VaultcadError, match="vault = 2"):
+    with pytest.raises(VaultcadError, match="vault 2: there is none"):
         sections(scan, vault=2)
     with pytest.raises(ValueError, match="slab"):
         sections(scan, slab=0.0)
