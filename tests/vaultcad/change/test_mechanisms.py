@@ -68,7 +68,7 @@ def test_limits_hold_for_motions_that_are_waves():
     none = Trend(np.zeros((150, 1)), np.ones(1), np.zeros(1), np.zeros((1, 1)))
     waves = Waves.of(place, normal, figures, 5.0)
     off = []
-    for _ in range(40):
+    for _ in range(60):
         moved = 0.01 * factor @ rng.standard_normal(151)
         found = estimated(moved[:150] + rng.normal(0, 0.001, 150), none, waves)
         off.append((found.mean[0] - moved[150]) / found.std[0])
