@@ -22,8 +22,8 @@ from bench.uncertainty import Number, compared, within
 from families import FAMILIES
 from segmentation.cloud import Cloud
 from vaultcad.errors import VaultcadError
-from vaultcad.model import tilted
 from vaultcad.pipeline import fit_scan
+from vaultcad.pose import tilted
 from vaultcad.scanner import draw, scan
 from vaultcad.scanner.turned import quarters, turned
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import cos, hypot, isfinite, nan, sin, sqrt
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any, Literal
 
@@ -18,130 +18,8 @@ from segmentation.notes import Note
 from vaultcad.deformation import Deformation
 from vaultcad.displacement import Displacement
 from vaultcad.errors import NoSuchVaultError
-
-
-@dataclass(frozen=True)
-class Pose:
-    """Where a vault stands in the scan's local frame: its origin [m], and its x axis turned by `yaw` about z [rad].
-
-    lean: rotation vector about the scan's x and y axes [rad] by which all of it then leans with the scan.
-    """
-
-    x: float
-    y: float
-    z: float
-    yaw: float
-    lean: tuple[float, float] = (0.0, 0.0)
-
-    @property
-    def tilt(self) -> float:
-        """Of its vertical from the scan's [rad]."""
-        return hypot(*self.lean)
-
-    def _turn(self) -> NDArray[np.float64]:
-        """(3, 3): brings directions of the vault's frame into the scan's."""
-        c, s = cos(self.yaw), sin(self.yaw)
-        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        return tilted(self.lean) @ turn if any(self.lean) else turn
-
-    def frame(self) -> NDArray[np.float64]:
-        """(3, 4): brings points of the scan's local frame into the vault's."""
-        out = np.empty((3, 4))
-        turn = out[:, :3] = self._turn().T
-        out[:, 3] = -turn @ [self.x, self.y, self.z]
-        return out
-
-    def placement(self) -> NDArray[np.float64]:
-        """(4, 4): brings points of the vault's frame into the scan's local frame."""
-        out = np.eye(4)
-        out[:3, :3], out[:3, 3] = self._turn(), (self.x, self.y, self.z)
-        return out
-
-
-def tilted(lean: tuple[float, float]) -> NDArray[np.float64]:
-    """The rotation (3, 3) by a vector about a horizontal axis [rad], by Rodrigues' formula."""
-    angle = hypot(*lean)
-    if angle == 0:
-        return np.eye(3)
-    x, y = lean[0] / angle, lean[1] / angle
-    c, s = cos(angle), sin(angle)
-    return np.array(
-        [
-            [c + x * x * (1 - c), x * y * (1 - c), y * s],
-            [x * y * (1 - c), c + y * y * (1 - c), -x * s],
-            [-y * s, x * s, c],
-        ]
-    )
-
-
-@dataclass(frozen=True)
-class Deviation:
-    """Distances of points to a surface [m]; `within`: share of points not farther than each limit [m].
-
-    mean, rms, median, p95, max: of the distances without their sign; signed_mean: with it, positive into the stone.
-    """
-
-    mean: float
-    rms: float
-    p95: float
-    max: float
-    within: Mapping[float, float]
-    loa: str  # USIBD level of accuracy of the 95 % limit: "LOA10" (coarser than 5 cm) ... "LOA50" (1 mm)
-    median: float = nan
-    signed_mean: float = nan
-
-
-# Marks of numbers that one vault alone does not tell: flag -> sign and what it says.
-FLAGS: Mapping[str, tuple[str, str]] = {
-    "unseen": ("?", "hangs on stone that the scan did not see"),
-    "weak": ("~", "is known only roughly"),
-    "row": ("=", "is that of all bays of its row"),
-}
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """One parameter or derived size with its standard deviation in the same unit; None if it was not estimated.
-
-    seen: of what a scan of the whole vault would tell of it, the share (0 to 1) that this scan does. flags: of `FLAGS`.
-    """
-
-    value: float
-    unit: str
-    std: float | None
-    meaning: str = ""
-    derived: bool = False
-    seen: float | None = None
-    flags: tuple[str, ...] = ()
-
-    @property
-    def marks(self) -> str:
-        """The signs of its flags."""
-        return "".join(FLAGS[flag][0] for flag in self.flags)
-
-
-@dataclass(frozen=True, eq=False)
-class Covariance:
-    """Covariance (k, k) of the k unknowns of a fit, pose first; lengths in m, angles in rad, ratios in 1."""
-
-    names: tuple[str, ...]
-    matrix: NDArray[np.float64]
-
-    def std(self, slopes: NDArray[np.float64]) -> float:
-        """Standard deviation of a size with these derivatives (k,) by the unknowns."""
-        return sqrt(max(float(slopes @ self.matrix @ slopes), 0.0))
-
-    def stds(self) -> dict[str, float]:
-        """Standard deviation of each unknown."""
-        return dict(zip(self.names, np.sqrt(np.maximum(np.diag(self.matrix), 0.0)).tolist(), strict=True))
-
-    def correlations(self) -> NDArray[np.float64]:
-        """(k, k) from -1 to 1, 1 on the diagonal; 0 for an unknown that was held."""
-        std = np.sqrt(np.maximum(np.diag(self.matrix), 0.0))
-        std[std == 0] = np.inf
-        out: NDArray[np.float64] = np.clip(self.matrix / np.outer(std, std), -1.0, 1.0)
-        np.fill_diagonal(out, 1.0)
-        return out
+from vaultcad.pose import Pose
+from vaultcad.uncertain import Covariance, Deviation, Estimate
 
 
 @dataclass(frozen=True)

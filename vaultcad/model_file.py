@@ -18,19 +18,9 @@ from segmentation.notes import Note
 from vaultcad.deformation import deformation_of
 from vaultcad.displacement import Displacement
 from vaultcad.errors import ModelFileError
-from vaultcad.model import (
-    Component,
-    Covariance,
-    Deviation,
-    Estimate,
-    FittedArch,
-    FittedPier,
-    FittedVault,
-    Model,
-    PlacedVault,
-    Pose,
-    Rival,
-)
+from vaultcad.model import Component, FittedArch, FittedPier, FittedVault, Model, PlacedVault, Rival
+from vaultcad.pose import Pose
+from vaultcad.uncertain import Covariance, Deviation, Estimate
 
 MODEL = "model.json"
 SCHEMA = 1

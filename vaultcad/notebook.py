@@ -16,7 +16,8 @@ from families.drawing.svg import svg
 from families.notebook import Trace, mime_bundle, sections, surfaces, table, titled
 from vaultcad.export.building_plan import building_plans
 from vaultcad.export.report_json import in_shown_unit
-from vaultcad.model import Estimate, FittedVault, Model
+from vaultcad.model import FittedVault, Model
+from vaultcad.uncertain import Estimate
 
 if TYPE_CHECKING:
     from vaultcad.pipeline import Result

@@ -11,17 +11,9 @@ import pytest
 
 from families import FAMILIES, Barrel, Groin, Pointed, Sail, Vault, family
 from families.declaration.parameters import derived_declarations
-from vaultcad.model import (
-    Component,
-    Covariance,
-    Deviation,
-    Estimate,
-    FittedArch,
-    FittedVault,
-    Model,
-    Pose,
-    Rival,
-)
+from vaultcad.model import Component, FittedArch, FittedVault, Model, Rival
+from vaultcad.pose import Pose
+from vaultcad.uncertain import Covariance, Deviation, Estimate
 
 IDS = tuple(cls.id for cls in FAMILIES)
 

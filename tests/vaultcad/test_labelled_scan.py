@@ -13,8 +13,9 @@ from segmentation.io import read, write_cloud, write_labelled
 from vaultcad.errors import ModelFileError
 from vaultcad.fit.label import Labels
 from vaultcad.labelled_scan import SEGMENTS, labelled_scan, read_labelled_scan
-from vaultcad.model import Model, Pose
+from vaultcad.model import Model
 from vaultcad.model_file import MODEL, write_model
+from vaultcad.pose import Pose
 
 
 def left(folder: Path, model: Model, cloud: Cloud, labels: Labels) -> Model:

@@ -11,8 +11,10 @@ from families.declaration.corners import Skew
 from vaultcad.displacement import Displacement
 from vaultcad.errors import ModelFileError
 from vaultcad.export.report_json import report
-from vaultcad.model import Covariance, Estimate, FittedPier, PlacedVault, Pose, Rival
+from vaultcad.model import FittedPier, PlacedVault, Rival
 from vaultcad.model_file import placed_vault, plain_model, plain_vault, read_model, write_model
+from vaultcad.pose import Pose
+from vaultcad.uncertain import Covariance, Estimate
 
 VAULTS = {cls.id: cls() for cls in FAMILIES} | {
     "skewed groin": replace(family("groin")(), skew=Skew(shear=0.1, taper_x=-0.05)),

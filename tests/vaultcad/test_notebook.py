@@ -9,8 +9,8 @@ from IPython.core.formatters import DisplayFormatter
 
 from families.notebook import HTML, PLOTLY
 from vaultcad.fit.label import Labels
-from vaultcad.model import Pose
 from vaultcad.pipeline import Result
+from vaultcad.pose import Pose
 
 
 def displayed(value):

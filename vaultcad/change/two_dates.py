@@ -15,7 +15,8 @@ from vaultcad.change.places import Reading, Sights, movement_of, readings
 from vaultcad.change.registration import Registration, registered_on
 from vaultcad.deformation import Movement
 from vaultcad.errors import VaultcadError
-from vaultcad.model import FittedVault, Model, Pose
+from vaultcad.model import FittedVault, Model
+from vaultcad.pose import Pose
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,8 @@ import typer
 
 from vaultcad.cli.tables import show_table
 from vaultcad.measure.building import building_of
-from vaultcad.model import FLAGS, Estimate, FittedVault, Model, said
+from vaultcad.model import FittedVault, Model, said
+from vaultcad.uncertain import FLAGS, Estimate
 
 
 def show_summary(model: Model, out: Path) -> None:

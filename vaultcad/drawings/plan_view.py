@@ -15,7 +15,8 @@ from vaultcad.drawings.marks import Dimension, Mark, Path, View, Word, view_of
 from vaultcad.drawings.section_view import Cut
 from vaultcad.export.building_plan import arrow
 from vaultcad.export.plan_shape import Outline, plan_shape
-from vaultcad.model import Assembly, PlacedVault, Pose
+from vaultcad.model import Assembly, PlacedVault
+from vaultcad.pose import Pose
 
 Floats = NDArray[np.float64]
 

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from math import isfinite
 
 from vaultcad.export.ifc_author import Author, Entity
-from vaultcad.model import Deviation, FittedVault, PlacedVault
+from vaultcad.model import FittedVault, PlacedVault
+from vaultcad.uncertain import Deviation
 
 STATUS = ("NEW", "EXISTING", "DEMOLISH", "TEMPORARY", "OTHER", "NOTKNOWN", "UNSET")  # PEnum_ElementStatus
 Row = tuple[str, Entity, str]

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from vaultcad.model import Deviation
 from vaultcad.nurbs.route import FreeRoute, FreeVault
 from vaultcad.nurbs.spline_surface import DEGREE
+from vaultcad.uncertain import Deviation
 
 SCHEMA = 1
 DECIMALS = 6  # of metres

@@ -7,7 +7,7 @@ from html import escape
 
 from families.drawing.sheet import Drawing
 from families.drawing.svg import svg
-from vaultcad.model import Estimate
+from vaultcad.uncertain import Estimate
 
 Row = Iterable[str]
 

@@ -11,7 +11,8 @@ from vaultcad.export.seen import Seen
 from vaultcad.measure.arcs import arcs_of, springing_of
 from vaultcad.measure.building import Building, letters
 from vaultcad.measure.setting_out import setting_out
-from vaultcad.model import Estimate, FittedArch, Model
+from vaultcad.model import FittedArch, Model
+from vaultcad.uncertain import Estimate
 
 LIKELY = 0.05  # chance from which on a rule is shown
 MOST_RULES = 3  # of an arch

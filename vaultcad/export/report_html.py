@@ -30,7 +30,8 @@ from vaultcad.export.seen import Seen, seen
 from vaultcad.export.unrolled_map import unrolled_map
 from vaultcad.export.viewer.embed import viewer_section, viewer_style
 from vaultcad.measure.building import building_of
-from vaultcad.model import FLAGS, Component, Deviation, Estimate, FittedVault, Model
+from vaultcad.model import Component, FittedVault, Model
+from vaultcad.uncertain import FLAGS, Deviation, Estimate
 
 SHOWN = 0.02  # chance from which on a kind of arch is shown
 

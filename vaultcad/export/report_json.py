@@ -21,18 +21,9 @@ from vaultcad.measure.arcs import arcs_of, springing_of
 from vaultcad.measure.building import Building, building_of, letters
 from vaultcad.measure.routes import apart
 from vaultcad.measure.setting_out import RULES, setting_out
-from vaultcad.model import (
-    Component,
-    Covariance,
-    Deviation,
-    Estimate,
-    FittedArch,
-    FittedPier,
-    FittedVault,
-    Model,
-    Pose,
-    Rival,
-)
+from vaultcad.model import Component, FittedArch, FittedPier, FittedVault, Model, Rival
+from vaultcad.pose import Pose
+from vaultcad.uncertain import Covariance, Deviation, Estimate
 
 SCHEMA = 1
 DECIMALS = 6  # of metres and of shares: a micrometre, well below what any scan can tell

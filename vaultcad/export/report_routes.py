@@ -9,7 +9,8 @@ from math import isfinite
 from vaultcad.export.page import html_table, percent
 from vaultcad.measure.deviation import LIMITS
 from vaultcad.measure.routes import routes
-from vaultcad.model import Component, Deviation, FittedVault
+from vaultcad.model import Component, FittedVault
+from vaultcad.uncertain import Deviation
 
 ROUTES = {"ideal": "ideal model", "as_built": "as-built surface"}
 """What people call the models of a vault, by the names of `routes`."""

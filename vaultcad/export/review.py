@@ -25,7 +25,8 @@ from vaultcad.export.drawing import deviations, plan, section
 from vaultcad.export.palette import colour
 from vaultcad.export.report_json import in_shown_unit
 from vaultcad.export.seen import Seen, seen
-from vaultcad.model import Estimate, FittedVault, Model
+from vaultcad.model import FittedVault, Model
+from vaultcad.uncertain import Estimate
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.void.upright import Upright
-from vaultcad.model import Deviation, Estimate, Model
+from vaultcad.model import Model
 from vaultcad.sections.section import ModelLine, Section, SectionArc, SectionArch, SectionPart
+from vaultcad.uncertain import Deviation, Estimate
 
 SCHEMA = 1
 DIGITS, ANGLE_DIGITS = 4, 6  # a tenth of a millimetre

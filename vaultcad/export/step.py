@@ -20,7 +20,8 @@ from vaultcad.export.geometry import rib_solids
 from vaultcad.export.palette import Colour, colour
 from vaultcad.export.part21 import encoded, in_order, unbroken
 from vaultcad.legible import legible
-from vaultcad.model import Assembly, PlacedVault, Pose
+from vaultcad.model import Assembly, PlacedVault
+from vaultcad.pose import Pose
 
 if TYPE_CHECKING:
     from OCP.Quantity import Quantity_Color

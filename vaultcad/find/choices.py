@@ -27,7 +27,8 @@ from vaultcad.find.recognise import Kinds, kinds_of, turned_over
 from vaultcad.find.refine import Refined, settled
 from vaultcad.fit.freedom import RECTANGLE, Demands
 from vaultcad.fit.solve import POSE, Placed, Solution
-from vaultcad.model import Covariance, Rival
+from vaultcad.model import Rival
+from vaultcad.uncertain import Covariance
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from families import Vault
 from families.declaration.footprint import RECTANGLE, Footprint
 from vaultcad.fit.freedom import NONE, SPRINGING, Demands
 from vaultcad.fit.solve import Placed
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 from vaultcad.survey.footprints import Ground
 from vaultcad.survey.thinned_scan import Site
 

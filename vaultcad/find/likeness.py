@@ -20,7 +20,7 @@ from vaultcad.find.found import Found
 from vaultcad.find.misfit import DOUBTFUL
 from vaultcad.find.recognise import Start
 from vaultcad.fit.solve import Placed
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 from vaultcad.processes import spread
 from vaultcad.survey.soffits import Soffit
 from vaultcad.survey.thinned_scan import Site

@@ -12,7 +12,7 @@ from families import Vault
 from families.declaration.once import Once
 from families.void import kernel
 from vaultcad.fit.freedom import Freedom
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 
 Array = NDArray[np.float64]
 POSE = ("x", "y", "z", "yaw")

@@ -12,7 +12,7 @@ from families import Vault
 from vaultcad.fit.freedom import Freedom
 from vaultcad.fit.settlement import block_means, motion
 from vaultcad.fit.solve import POSE, Placed, Solution
-from vaultcad.model import Covariance
+from vaultcad.uncertain import Covariance
 
 Array = NDArray[np.float64]
 

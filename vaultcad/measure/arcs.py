@@ -9,7 +9,8 @@ import numpy as np
 
 from families import Vault
 from families.declaration.profiles import Arc
-from vaultcad.model import Estimate, FittedVault
+from vaultcad.model import FittedVault
+from vaultcad.uncertain import Estimate
 
 STEP = 1e-5  # of a parameter, by which slopes are taken
 

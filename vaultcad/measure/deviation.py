@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.model import Deviation
+from vaultcad.uncertain import Deviation
 
 LIMITS = (0.01, 0.03, 0.06)  # m
 LOA = ((0.001, "LOA50"), (0.005, "LOA40"), (0.015, "LOA30"), (0.05, "LOA20"), (np.inf, "LOA10"))

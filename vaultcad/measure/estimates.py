@@ -12,7 +12,7 @@ from vaultcad.find.choices import Choice, deviation
 from vaultcad.fit.solve import Solution
 from vaultcad.fit.uncertainty import slopes_of_sizes
 from vaultcad.measure.coverage import Sight, information
-from vaultcad.model import Covariance, Estimate
+from vaultcad.uncertain import Covariance, Estimate
 
 UNSEEN = 0.5  # share of what could be told of a number below which it hangs on unseen stone
 NOTHING = 1e-9  # standard deviation of what was fixed, by way of what follows it

@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from vaultcad.fit.section import INDEPENDENT, Section, section_of
 from vaultcad.measure.deviation import summarise
-from vaultcad.model import Covariance, Estimate, FittedArch, FittedPier, FittedVault, Pose
+from vaultcad.model import FittedArch, FittedPier, FittedVault
+from vaultcad.pose import Pose
 from vaultcad.survey.piers import Shaft, shafts_under
 from vaultcad.survey.thinned_scan import Thin
+from vaultcad.uncertain import Covariance, Estimate
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from families import Vault
 from vaultcad.displacement import Displacement
 from vaultcad.measure.deviation import summarise
-from vaultcad.model import Component, Deviation, FittedVault
+from vaultcad.model import Component, FittedVault
+from vaultcad.uncertain import Deviation
 
 Array = NDArray[np.float64]
 

@@ -10,11 +10,12 @@ import numpy as np
 from vaultcad.errors import VaultcadError
 from vaultcad.labelled_scan import LabelledScan
 from vaultcad.measure.deviation import summarise
-from vaultcad.model import Deviation, FittedVault, Model
+from vaultcad.model import FittedVault, Model
 from vaultcad.nurbs.freeform import FreeForm, free_form
 from vaultcad.nurbs.net import QuadNet, nets
 from vaultcad.nurbs.sheet import Sheet, sheet_of
 from vaultcad.one_thread import one_thread
+from vaultcad.uncertain import Deviation
 
 NET = 0.25  # m, distance of the lines of a net, unless another is asked for
 

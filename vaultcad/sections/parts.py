@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from families import Vault
 from families.declaration.pieces import BarrelPart, Turned
-from vaultcad.model import Estimate
 from vaultcad.sections.classify import classified
 from vaultcad.sections.cut import Stations
 from vaultcad.sections.field_fit import MovedPoints, as_it_stands, fit_curve
 from vaultcad.sections.guide import STEP, Guide
 from vaultcad.sections.placed_arch import ArchPoints
 from vaultcad.sections.section import SectionArc, SectionArch, SectionPart
+from vaultcad.uncertain import Estimate
 
 Floats = NDArray[np.float64]
 

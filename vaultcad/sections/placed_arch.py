@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.profiles import Arc, Curve, junction
-from vaultcad.model import Estimate
 from vaultcad.sections.arch_curves import ArchKind, distances, drawn
 from vaultcad.sections.field_fit import CurveFit
 from vaultcad.sections.section import SectionArc
+from vaultcad.uncertain import Estimate
 
 Floats = NDArray[np.float64]
 Size = Callable[[Floats], float]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.void.upright import Upright
-from vaultcad.model import Deviation, Estimate
+from vaultcad.uncertain import Deviation, Estimate
 
 Floats = NDArray[np.float64]
 

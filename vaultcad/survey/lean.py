@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmentation.notes import Note
-from vaultcad.model import Pose, tilted
+from vaultcad.pose import Pose, tilted
 from vaultcad.survey.thinned_scan import Thin, floor_of
 
 Array = NDArray[np.float64]

@@ -16,7 +16,8 @@ from vaultcad.export import geometry
 from vaultcad.export.geometry import Body, bodies, masonry
 from vaultcad.export.ifc import write_ifc
 from vaultcad.export.palette import colour
-from vaultcad.model import Assembly, PlacedVault, Pose
+from vaultcad.model import Assembly, PlacedVault
+from vaultcad.pose import Pose
 
 IDS = [cls.id for cls in FAMILIES]
 

@@ -5,7 +5,7 @@ import pytest
 
 from vaultcad.export.part21 import encoded, in_order, unbroken
 from vaultcad.export.step import write_step
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 
 NAMES = (
     "ENDSEC;", "a'b", "''", "x\\X2\\y", "back\\slash\\", "new\nline", "ctl\x01\x7f", "Größe €😀", "l" * 250, "é" * 120,

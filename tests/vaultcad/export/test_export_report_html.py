@@ -12,7 +12,7 @@ import pytest
 
 from families import FAMILIES
 from vaultcad.export.report_html import write_report_html
-from vaultcad.model import Estimate
+from vaultcad.uncertain import Estimate
 
 IDS = [cls.id for cls in FAMILIES]
 VOID = {"meta", "link", "br", "img", "hr", "input"}

@@ -8,7 +8,9 @@ import pytest
 
 from families import FAMILIES
 from vaultcad.export.report_json import report, write_report_json
-from vaultcad.model import Covariance, Estimate, FittedPier, Pose
+from vaultcad.model import FittedPier
+from vaultcad.pose import Pose
+from vaultcad.uncertain import Covariance, Estimate
 
 IDS = [cls.id for cls in FAMILIES]
 

@@ -12,7 +12,7 @@ from families.drawing.deviation_colours import UNKNOWN, shades
 from vaultcad.export.bundle import REVIEW, write_all
 from vaultcad.export.drawing import ENLARGED
 from vaultcad.export.review import draw_review, write_review
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 
 
 @cache

@@ -11,7 +11,8 @@ from vaultcad.export.buildable import buildable
 from vaultcad.export.glb import write_glb
 from vaultcad.export.ifc import write_ifc
 from vaultcad.export.step import write_step
-from vaultcad.model import Assembly, PlacedVault, Pose
+from vaultcad.model import Assembly, PlacedVault
+from vaultcad.pose import Pose
 
 RIBS = Ribs(0.25, 0.2, kinds=("diagonal",))
 NAMES = [f"diagonal_{corner}" for corner in ("south_west", "south_east", "north_east", "north_west")] + ["boss"]

@@ -29,7 +29,9 @@ from vaultcad.find.refine import Refined, settled
 from vaultcad.fit.evidence import Evidence
 from vaultcad.fit.freedom import NONE, Demands
 from vaultcad.fit.solve import POSE, Placed
-from vaultcad.model import Covariance, Pose, said
+from vaultcad.model import said
+from vaultcad.pose import Pose
+from vaultcad.uncertain import Covariance
 
 STANDS = Pose(0.0, 0.0, 0.0, 0.0)
 

@@ -17,7 +17,7 @@ from vaultcad.find.second_look import second_looks
 from vaultcad.fit.evidence import Evidence
 from vaultcad.fit.freedom import Freedom
 from vaultcad.fit.solve import Placed, Solution
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 from vaultcad.survey.parting import Ceiling, Part
 from vaultcad.survey.plan_grid import PlanGrid
 from vaultcad.survey.thinned_scan import Site

@@ -13,7 +13,7 @@ from vaultcad.find.misfit import FITS, REFUSED, Misfit, refuse_strangers
 from vaultcad.find.refine import Refined, settled
 from vaultcad.fit.evidence import Evidence
 from vaultcad.fit.solve import Placed
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 
 SETTLED = 0.012  # m, along each axis
 OCTAGON = Cloister(8, 3.0, Semicircular())

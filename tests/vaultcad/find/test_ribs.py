@@ -6,7 +6,7 @@ import pytest
 from families import Groin, Mirror, Pointed, Rib
 from vaultcad.find.ribs import ribs_under
 from vaultcad.fit.solve import Placed
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 from vaultcad.scanner import ScannerSettings, scan
 
 BARE = ScannerSettings(points=200_000, noise=0.003, settlement=0.02)

@@ -28,8 +28,8 @@ from families import (
 )
 from segmentation import compare
 from segmentation.cloud import Cloud
-from vaultcad.model import Pose
 from vaultcad.pipeline import fit_scan
+from vaultcad.pose import Pose
 
 POSE = Pose(1.2, -0.7, 3.1, 0.4)
 IDEALS = (

@@ -27,8 +27,9 @@ from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
 from vaultcad.fit.demands import constraints_of, demand, sizes_of
 from vaultcad.fit.freedom import SPRINGING, Demands, decides
-from vaultcad.model import FittedVault, Pose
+from vaultcad.model import FittedVault
 from vaultcad.pipeline import FitSettings, fit_scan
+from vaultcad.pose import Pose
 
 EACH = pytest.mark.parametrize("cls", FAMILIES, ids=lambda c: c.id)
 CONSTRAINED = [(cls, c) for cls in FAMILIES for c in cls.constraints]

@@ -9,7 +9,7 @@ import pytest
 
 from families import Barrel, Groin, Segmental
 from vaultcad.fit.solve import Placed, Solution, robust_cost, solve
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 
 TRUTH = Placed(Groin(4.2, 4.6, Segmental(0.4), Segmental(0.36)), Pose(1.0, -2.0, 3.0, 0.3))
 FREE = ("span_x", "span_y", "rise_ratio_x", "rise_ratio_y")

@@ -13,7 +13,8 @@ from vaultcad.fit.solve import POSE, Placed, Solution, solve
 from vaultcad.fit.uncertainty import covariance, loosened, slopes_of_distances, slopes_of_sizes
 from vaultcad.measure.coverage import information, look
 from vaultcad.measure.estimates import estimates
-from vaultcad.model import Covariance, Estimate, Pose
+from vaultcad.pose import Pose
+from vaultcad.uncertain import Covariance, Estimate
 
 STANDS = Pose(1.0, -2.0, 3.0, 0.3)
 VAULTS: tuple[Vault, ...] = (

@@ -11,7 +11,7 @@ from families.declaration.profiles import PROFILES
 from vaultcad.measure.arcs import arcs_of, springing_of
 from vaultcad.measure.building import building_of
 from vaultcad.measure.setting_out import FREE, RULES, setting_out
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 
 
 def test_equal_neighbours_joined_by_an_arch_are_a_row_from_west_to_east(building):

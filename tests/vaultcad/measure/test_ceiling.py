@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from families import Barrel
 from vaultcad.fit.solve import Placed
 from vaultcad.measure.ceiling import KINDS, account, missed
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 from vaultcad.survey.patches import Patches
 
 Array = NDArray[np.float64]

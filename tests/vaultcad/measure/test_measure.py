@@ -14,7 +14,7 @@ from vaultcad.measure.as_built import as_built, displacement
 from vaultcad.measure.coverage import look
 from vaultcad.measure.deviation import level_of_accuracy, summarise
 from vaultcad.measure.routes import as_built_distance
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 from vaultcad.scanner.settle import draw_settlement
 from vaultcad.survey.thinned_scan import survey, thin_scan, turned
 

@@ -9,8 +9,10 @@ import pytest
 
 from families import Barrel
 from vaultcad.measure.piers import piers_under
-from vaultcad.model import Covariance, FittedVault, Pose
+from vaultcad.model import FittedVault
+from vaultcad.pose import Pose
 from vaultcad.survey.thinned_scan import Thin
+from vaultcad.uncertain import Covariance
 
 STEP = 0.05  # m
 DIAMETER = 0.4  # m

@@ -17,9 +17,10 @@ from vaultcad.errors import VaultcadError
 from vaultcad.export.nurbs_files import NURBS_WRITERS, write_nurbs
 from vaultcad.labelled_scan import LabelledScan
 from vaultcad.measure.deviation import summarise
-from vaultcad.model import FittedVault, Model, Pose
+from vaultcad.model import FittedVault, Model
 from vaultcad.nurbs.field import Cells, Domain, fitted
 from vaultcad.nurbs.route import free_route
+from vaultcad.pose import Pose
 
 NOISE = 0.003  # m
 POINTS = 60_000

@@ -7,7 +7,8 @@ import pytest
 
 from families import FAMILIES, Barrel, Cloister, Dome, Groin, Lunette, Sail
 from families.void.upright import Upright, chords, outlines
-from vaultcad.model import PlacedVault, Pose
+from vaultcad.model import PlacedVault
+from vaultcad.pose import Pose
 from vaultcad.sections.guide import ON_VAULT, guides
 from vaultcad.sections.planes import every, genesis_planes, given
 from vaultcad.sections.section import Level

@@ -14,7 +14,7 @@ from vaultcad.errors import VaultcadError
 from vaultcad.export.section_files import WRITERS, drawn_names, write_drawings
 from vaultcad.fit.label import Labels
 from vaultcad.labelled_scan import LabelledScan, labelled_scan
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 from vaultcad.scanner.settle import draw_settlement
 from vaultcad.sections.cuts import sections
 from vaultcad.sections.free_profile import free_profile

@@ -12,8 +12,8 @@ from families import Annular, Barrel, Cloister, Conch, Dome, Groin, Pointed, Rot
 from families.declaration.footprint import DISC, HALF_DISC, POLYGON, RECTANGLE, SECTOR
 from segmentation import compare
 from segmentation.cloud import Cloud
-from vaultcad.model import Pose
 from vaultcad.pipeline import FitSettings, fit_scan
+from vaultcad.pose import Pose
 from vaultcad.scanner import ScannerSettings, VirtualScan, scan
 from vaultcad.survey.thinned_scan import Site, survey
 

@@ -5,8 +5,8 @@ import pytest
 
 from families import Barrel, Groin, Segmental, Vault
 from segmentation.cloud import Cloud
-from vaultcad.model import Pose, tilted
 from vaultcad.pipeline import FitSettings, fit_scan
+from vaultcad.pose import Pose, tilted
 from vaultcad.survey.lean import Lean, lean_of
 from vaultcad.survey.thinned_scan import Thin, thin_scan
 

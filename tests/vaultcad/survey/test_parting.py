@@ -13,7 +13,7 @@ from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
 from vaultcad.fit.label import ArchBand, label
 from vaultcad.fit.solve import Placed
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 from vaultcad.scanner import ScannerSettings
 from vaultcad.scanner.building import Bay, Building, BuildingScan, Place, scan_building
 from vaultcad.scanner.building.rows import beside, in_row

@@ -14,7 +14,7 @@ from families.drawing.deviation_colours import shades
 from families.unrolled.sheet import unrolled
 from vaultcad.errors import ExportError, NoSuchVaultError
 from vaultcad.labelled_scan import LabelledScan
-from vaultcad.model import Pose
+from vaultcad.pose import Pose
 from vaultcad.unrolled.back import lift_lines
 from vaultcad.unrolled.contours import contours
 from vaultcad.unrolled.drawn_lines import READERS, WRITERS, DrawnLine, read_lines, write_lifted
