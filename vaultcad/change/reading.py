@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.change.mechanisms import MECHANISMS, PARTS, Body, shapes
-from vaultcad.change.motion import Estimated, Trend, Waves, estimated, honest, mixed
+from vaultcad.change.motion import Trend, Waves, estimated, honest, likelihoods, mixed
 from vaultcad.change.places import Sights, movement_of, places, readings
 from vaultcad.deformation import Against, Deformation, Resemblance
 from vaultcad.find.choices import Choice
@@ -43,7 +42,6 @@ HINTS = (
 SUPPLE = 5.0  # standard deviations are wider by this where webs give way to a movement; see `docs/measured.md`
 UNWEIGHED = 3.0  # standard deviations are wider by this where no way of building could be weighed
 LIKELY, MOST_WAYS = 0.02, 4  # chance of a way of building, below which it does not count, and how many do at most
-ROUGHLY = 5  # of the fields that are weighed, one in so many squared tells mechanisms apart
 CAUTION = (
     "A scan shows where the stone stands, not how it came there: what looks like a movement may have been built so.",
     "A settlement of all supports alike, walls that moved bodily, and motion along the surface cannot be seen.",
@@ -174,8 +172,7 @@ def read_deformation(
     ]
     if surface is not None:
         left = deviation - np.einsum("mc,mc->m", surface(stone.place), stone.normal)
-        bare = replace(trend, precision=np.full_like(trend.precision, 1e12))
-        local = estimated(left, bare, waves)
+        local = estimated(left, trend.only(np.zeros(len(parts), np.bool_)), waves)
         against.append(told("as_built", "the smooth surface through the stone as it stands", local.mean, local.std))
     resembles = _resemblances(ways[0], trend, parts, waves)
     if vault.supple:
@@ -214,17 +211,15 @@ def _way(stone: _Stone, solution: Solution) -> tuple[Array, tuple[Array, Array, 
 def _resemblances(way: _Way, trend: Trend, parts: NDArray[np.str_], waves: Waves) -> tuple[Resemblance, ...]:
     """How far what moved resembles each mechanism: by how likely each alone makes the deviations."""
     _, rest, known = way
-    moved = _moved(rest, known, trend)
-    found: list[tuple[Estimated, float]] = []
-    for one in MECHANISMS:
-        mine = np.isin(parts, one.parts)
-        only = Trend(trend.slopes[:, mine], trend.precision[mine], trend.mean[mine], trend.figures[:, mine])
-        found.append((estimated(rest, only.beside(*known), waves, ROUGHLY), _explained(moved, trend.slopes[:, mine])))
-    top = max(one.likelihood for one, _ in found)
-    raw = [exp((one.likelihood - top) / DOUBT) for one, _ in found]
+    moved, own = _moved(rest, known, trend), np.ones(len(known[2]), np.bool_)
+    shown = [np.isin(parts, one.parts) for one in MECHANISMS]
+    likelihood = likelihoods(rest, trend.beside(*known), waves, [np.append(own, mine) for mine in shown])
+    raw = np.exp((likelihood - likelihood.max()) / DOUBT)
+    odds = (raw / raw.sum()).tolist()
+    shares = [_explained(moved, trend.slopes[:, mine]) for mine in shown]
     rows = [
-        Resemblance(one.name, chance / sum(raw), share, one.says)
-        for one, chance, (_, share) in zip(MECHANISMS, raw, found, strict=True)
+        Resemblance(one.name, chance, share, one.says)
+        for one, chance, share in zip(MECHANISMS, odds, shares, strict=True)
     ]
     return tuple(sorted(rows, key=lambda row: -row.odds))
 
