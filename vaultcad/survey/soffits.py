@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 
 from vaultcad.survey.patches import Patches
 from vaultcad.survey.plan_grid import PlanGrid
+from vaultcad.survey.thinned_scan import CHUNK
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 # |cosine| between normals of a soffit and its generatrices: rms; that of strays; their share
@@ -161,10 +163,50 @@ def _is_between(soffit: Soffit, ceiling: Array) -> bool:
 
 def _edged(soffits: list[Soffit], xyz: NDArray[np.floating]) -> Iterator[Soffit]:
     """Soffits up to their edges, which the points of the scan tell: patches end before."""
-    near = _near(soffits, xyz)
+    near = _Near.to(soffits, xyz) if soffits else None
     for soffit in soffits:
-        own = _near([soffit], near)
+        own = near.over(soffit) if near else xyz[:0]
         yield measured(measured(soffit, own), own)  # turned, then measured
+
+
+@dataclass(frozen=True)
+class _Near:
+    """Points (m, 3) near any of the soffits in plan, in the order of the cells that they lie over.
+
+    starts: (cells + 1,) where those of each cell begin.
+    """
+
+    grid: PlanGrid
+    points: NDArray[np.floating]
+    starts: Ints
+
+    @classmethod
+    def to(cls, soffits: list[Soffit], xyz: NDArray[np.floating]) -> _Near:
+        """Of all points of a scan (n, 3) [m]."""
+        low = np.min([soffit.place - soffit.length for soffit in soffits], axis=0)
+        high = np.max([soffit.place + soffit.length for soffit in soffits], axis=0)
+        grid = PlanGrid.over(low, high, NEAR)
+        held = np.append(np.any([_touches(soffit, grid) for soffit in soffits], axis=0), False)
+        numbers, points = [], []
+        for k in range(0, len(xyz), CHUNK):
+            number = grid.numbers(xyz[k : k + CHUNK])
+            (mine,) = np.nonzero(held[number])
+            numbers.append(number[mine].astype(np.int32))
+            points.append(xyz[k + mine])
+        number = np.concatenate(numbers)
+        order = np.argsort(number, kind="stable")
+        starts = np.searchsorted(number[order], np.arange(len(held)))
+        return cls(grid, np.concatenate(points)[order], starts)
+
+    def over(self, soffit: Soffit) -> NDArray[np.floating]:
+        """Those (k, 3) near one of them."""
+        cells = np.flatnonzero(_touches(soffit, self.grid))
+        return np.concatenate([self.points[self.starts[c] : self.starts[c + 1]] for c in cells])
+
+
+def _touches(soffit: Soffit, grid: PlanGrid) -> Mask:
+    """Over which cells of a plan points near it may lie."""
+    return soffit.holds(grid.middles, EDGE[1] + NEAR, NEAR)
 
 
 def measured(soffit: Soffit, points: NDArray[np.floating]) -> Soffit:
@@ -195,14 +237,3 @@ def measured(soffit: Soffit, points: NDArray[np.floating]) -> Soffit:
         width=float(high - low),
         width_std=float(np.hypot(OF_QUANTILE * np.hypot(*spread) / sqrt(len(edges)), apart / sqrt(6))),
     )
-
-
-def _near(soffits: list[Soffit], xyz: NDArray[np.floating]) -> NDArray[np.floating]:
-    """The points (m, 3) near any of the soffits in plan."""
-    if not soffits:
-        return xyz[:0]
-    low = np.min([soffit.place - soffit.length for soffit in soffits], axis=0)
-    high = np.max([soffit.place + soffit.length for soffit in soffits], axis=0)
-    grid = PlanGrid.over(low, high, NEAR)
-    held = np.any([soffit.holds(grid.middles, EDGE[1] + NEAR, NEAR) for soffit in soffits], axis=0)
-    return xyz[grid.holds(held, xyz)]
