@@ -180,10 +180,10 @@ class _Plan:
         near = (group[a] != group[b]) & ((np.abs(self.height[a] - self.height[b]) < LEVEL) | lifted)
         pair = np.sort(np.column_stack([group[a[near]], group[b[near]]]), axis=1)
         links, which, touching = np.unique(pair, axis=0, return_inverse=True, return_counts=True)
+        which = which.ravel()
         columns = {int(k): set(self.column[group == k].tolist()) for k in np.unique(group)}
         for k in np.argsort(-touching, kind="stable"):
-            contact = np.concatenate([cells[near][which.ravel() == k] for cells in (a, b)]) if lifted else None
-            if contact is not None and not self._lifts(group, *links[k].tolist(), contact):
+            if lifted and not self._lifts(group, links[k], np.concatenate([a[near], b[near]])[np.tile(which == k, 2)]):
                 continue
             i, j = sorted((int(number[links[k, 0]]), int(number[links[k, 1]])))
             lesser = min(len(columns[i]), len(columns[j]))
@@ -192,13 +192,13 @@ class _Plan:
                 number = np.where(number == j, i, number)
         return number
 
-    def _lifts(self, group: Ints, one: int, other: int, contact: Ints) -> bool:
-        """Whether one of two groups is a dome on a drum over the other, of whose cells those in `contact` touch.
+    def _lifts(self, group: Ints, pair: Ints, contact: Ints) -> bool:
+        """Whether one of a pair of groups is a dome on a drum over the other, of whose cells those in `contact` touch.
 
         It is above all of that, and over no ceiling, as a storey would be. A drum stands on the top of pendentives: a
         vault against the wall of a higher room touches that with its springing. Nor are they level, as lintels.
         """
-        upper, lower = sorted((one, other), key=lambda k: -float(self.height[group == k].max()))
+        upper, lower = sorted(pair.tolist(), key=lambda k: -float(self.height[group == k].max()))
         bottom = float(self.height[group == upper].min())
         mine, under = self.column[group == upper], self.height[group == lower]
         below = np.isin(mine, self.column[(group != upper) & (self.height < bottom)])
