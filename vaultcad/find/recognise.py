@@ -66,6 +66,11 @@ class Start:
     ways: tuple[Placed, ...]
     kept: tuple[Constraint, ...]
 
+    def asked(self, demands: Demands) -> Start | None:
+        """The same with arches that can have the sizes that are fixed; None where the family has none."""
+        vault = demands.suited(self.ways[0].vault)
+        return None if vault is None else Start(tuple(replace(way, vault=vault) for way in self.ways), self.kept)
+
 
 def recognise(
     site: Site,
@@ -84,7 +89,7 @@ def recognise(
     """
     few, some = (Evidence.draw(site, count, rng, demands) for count in (1500, 3000))
     supple: list[Placed] = []
-    if known:
+    if known := [start for one in known if (start := one.asked(demands)) is not None]:
         simple = [_nearest_way(start, few, some, demands) for start in known]
     else:
         simple, supple = _begun(families, lambda family, tried: _rough(family, site, few, some, demands, tried), some)

@@ -62,8 +62,10 @@ class _Row:
         start, kept = self._start(one)
         told = {name: told for name, told in self.shared.items() if name not in demands.sizes}
         asked = replace(demands, sizes={name: mean for name, (mean, _) in told.items()} | dict(demands.sizes))
+        if not told or not asked.suits(start.vault):
+            return one
         begun = replace(start, vault=asked.begun(start.vault))
-        if not told or not asked.met(begun.vault):
+        if not asked.met(begun.vault):
             return one
         refined = settled(begun, kept, one.refined.evidence, one.refined.scatter, asked)
         if refined.scatter > WORSE[0] * one.refined.scatter + WORSE[1]:
