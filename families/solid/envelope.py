@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from families.declaration.plan import Vector
 from families.declaration.units import MM
 from families.solid.curves import Spline
-from families.solid.heights import WIDTH, change, height_at, heights, shown, shown_at, stray, trace
+from families.solid.heights import WIDTH, change, height_at, heights, shown, shown_at, sole, stray, trace
 from families.solid.plan_cells import EIGHTHS, SAME_PLACE, Cell, Cut, Ground, Part
 from families.solid.roofs import Roof
 from families.solid.splines import spread
@@ -107,6 +107,9 @@ class Skin:
         self.regions += self._parted(cell, np.array(rows), np.array(owners), HALVED)
 
     def _parted(self, cell: Cell, rows: NDArray[np.int64], owners: NDArray[np.int64], depth: int) -> Iterator[Region]:
+        if (only := sole(cell.table, EDGE_SHARES, (THIRDS, RAYS), self.table, rows, owners)) >= 0:
+            yield Region(int(rows[only]), list(cell.loop))
+            return
         found = _Outline(self, cell, rows, owners)
         changes = found.changes()
         regions = found.regions(changes)
@@ -167,7 +170,8 @@ class _Outline:
         self.labels = label[sure]
         x, y, parts, at, label = x[sure], y[sure], parts[sure], at[sure], label[sure]
         found: list[_Change] = []
-        for i in np.flatnonzero(label != np.roll(label, -1)).tolist():
+        turns = np.flatnonzero(label[1:] != label[:-1]).tolist()
+        for i in [*turns, len(label) - 1] if label[0] != label[-1] else turns:
             j = (i + 1) % len(label)
             if parts[i] == parts[j]:
                 found += self._between(int(parts[i]), at[i], at[j], int(label[i]), int(label[j]))
@@ -271,7 +275,7 @@ class _Outline:
         xs = (mx + np.outer(RAYS, x - mx)).ravel()
         ys = (my + np.outer(RAYS, y - my)).ravel()
         label, sure = self._shown(xs, ys)
-        return [int(k) for k in np.unique(label[sure])]
+        return sorted(set(label[sure].tolist()))
 
     def _along(self, start: _Change, end: _Change) -> list[Bound]:
         """The boundary from one change to the next."""
