@@ -7,7 +7,7 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from families.void.kernel import compiled, inner
+from families.void.compiled import compiled, inner
 
 Array = NDArray[np.float64]
 

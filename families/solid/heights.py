@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.solid.cell_loops import is_within, middle, place_on, reach
-from families.void import kernel
-from families.void.kernel import compiled, inner, web_height
+from families.void import body_table
+from families.void.compiled import compiled, inner
+from families.void.webs import web_height
 
 Array = NDArray[np.float64]
 
@@ -21,7 +22,7 @@ Array = NDArray[np.float64]
 KIND, X0, Y0, CX, CY, BASE, SLOPE, SPLAY, FLARE, CROWN, LENGTH, SIGN, U, Z, A, B = range(16)
 WIDTH = 30
 FLAT, DRAWN, TURNED, WEB = range(4)  # a web has its other numbers where the numeric surface has them
-WEB_X, WEB_Y, WEB_ACROSS_X, WEB_ACROSS_Y = kernel.X, kernel.Y, kernel.ACROSS_X, kernel.ACROSS_Y
+WEB_X, WEB_Y, WEB_ACROSS_X, WEB_ACROSS_Y = body_table.X, body_table.Y, body_table.ACROSS_X, body_table.ACROSS_Y
 ROUNDING = 1e-13  # of a cosine: a root turns it into a height
 APEX = 1e-12  # share of a cone's profile that is left at its apex
 HALVINGS = 80  # of an interval in which a root is sought
