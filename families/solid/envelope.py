@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.plan import Vector
+from families.declaration.plan_sides import Vector
 from families.declaration.units import MM
 from families.solid.curves import Spline
 from families.solid.heights import WIDTH, change, height_at, heights, shown, shown_at, sole, stray, trace

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from families.declaration.plan import Vector
+from families.declaration.plan_sides import Vector
 from families.solid.cell_loops import middle, outline, within
 
 Array = NDArray[np.float64]
@@ -92,6 +92,15 @@ class Way:
             return a + t * (c - a), b + t * (d - b)
         angle, radius = self.angle + t * self.sweep, self.radius
         return self.centre[0] + radius * np.cos(angle), self.centre[1] + radius * np.sin(angle)
+
+    def right(self, x: float, y: float) -> Vector:
+        """Unit vector to its right at a place on it."""
+        if self.centre is None:
+            dx, dy = self.end[0] - self.start[0], self.end[1] - self.start[1]
+            size = hypot(dx, dy)
+            return dy / size, -dx / size
+        turn = 1 if self.sweep > 0 else -1
+        return turn * (x - self.centre[0]) / self.radius, turn * (y - self.centre[1]) / self.radius
 
     def crossing(self, cut: Cut, low: float, high: float) -> float:
         """Parameter between two, on either side of a cut, where the way crosses it."""

@@ -22,7 +22,7 @@ from OCP.TColStd import TColStd_Array2OfReal
 from scipy.optimize import brentq
 
 from families.declaration.pieces import Piece, Web
-from families.declaration.plan import Vector
+from families.declaration.plan_sides import Vector
 from families.declaration.units import MM
 from families.solid import arches
 from families.solid.arches import HalfArch, arch_parameters, half_arches

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Piece, Turned, Web
-from families.declaration.plan import Plan, Vector
+from families.declaration.plan import Plan
+from families.declaration.plan_sides import Vector
 from families.declaration.profiles import Arc, Curve
 from families.void.body_table import ACROSS_X, ACROSS_Y, DEPTH, HALF, MIDDLE, pack, pack_plan
 from families.void.kernel import surface
