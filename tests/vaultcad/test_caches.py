@@ -68,7 +68,6 @@ def test_a_fit_without_home_and_beside_code_that_is_read_only_says_nothing_of_ca
     locator = "UserWideCacheLocator"
     environment = {"PATH": os.environ["PATH"], "HOME": NOWHERE, "TMPDIR": str(tmp_path)}
     environment |= {"NUMBA_CACHE_LOCATOR_CLASSES": locator, "PYTHONPATH": os.pathsep.join(sys.path)}
-    environment |= {"NUMBA_OPT": "0"}  # all is compiled anew
     code = "import sys; from vaultcad.cli import main; sys.exit(main())"
     options = ["-o", str(tmp_path / "out"), "--review", "--family", "sail"]
     command = [sys.executable, "-c", code, "fit", str(room), *options]
