@@ -6,7 +6,7 @@ one from side to side, or three from a point inside. Any other cell is halved fi
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -303,18 +303,8 @@ class _Outline:
             found: Array = trace(first, last, (1 - np.cos(np.pi * share)) / 2, parts, self.skin.table, *rows)
             return found
 
-        there = points(LOOKED)
-        if np.isnan(there).any():
-            return None
-        for count in NODES:
-            laid = points(spread(there, LOOKED, count))
-            if np.isnan(laid).any():
-                return None
-            spline = Spline.through(MM * laid)
-            between = spline.points((spline.nodes[1:] + spline.nodes[:-1]) / 2) / MM
-            if stray(between, self.skin.table, rows[0]) < NEAR_ENOUGH:
-                break
-        return Line(start, end, spline)
+        spline = laid(points, self.skin.table, rows[0])
+        return None if spline is None else Line(start, end, spline)
 
     def _meeting(self, labels: list[int], place: Array) -> Vector | None:
         """Where three roofs are as high, by Newton's method from a place."""
@@ -341,6 +331,25 @@ class _Outline:
             return None
         found = float(place[0]), float(place[1])
         return found if self.cell.within(place[:1], place[1:])[0] else None
+
+
+def laid(points: Callable[[Array], Array], roofs: Array, row: int) -> Spline | None:
+    """A curve [mm] on a roof, by its points (n, 3) [m] at shares (n,) of it; None where it cannot be followed.
+
+    It is laid through so many that it is near enough to the roof between them.
+    """
+    there = points(LOOKED)
+    if np.isnan(there).any():
+        return None
+    for count in NODES:
+        nodes = points(spread(there, LOOKED, count))
+        if np.isnan(nodes).any():
+            return None
+        spline = Spline.through(MM * nodes)
+        between = spline.points((spline.nodes[1:] + spline.nodes[:-1]) / 2) / MM
+        if stray(between, roofs, row) < NEAR_ENOUGH:
+            break
+    return spline
 
 
 def _ahead(part: Part, start: float, end: float) -> bool:

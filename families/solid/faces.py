@@ -16,22 +16,19 @@ from families.declaration.plan_sides import Vector
 from families.declaration.units import MM
 from families.solid.bodies import Void
 from families.solid.boundary import Loop, Pole, Step
-from families.solid.curves import Spline
-from families.solid.envelope import LOOKED, SAME_HEIGHT, Line, Skin
+from families.solid.envelope import SAME_HEIGHT, Line, Skin, laid
 from families.solid.face_net import ONE, Net, Patch, near
 from families.solid.heights import between, change, shown
 from families.solid.plan_cells import Ground, Part, Way
 from families.solid.plane_regions import regions
 from families.solid.roofs import Plane, Roof
 from families.solid.seamless import seamless
-from families.solid.splines import spread
 from families.solid.walls import Wall, Walls
 from families.solid.way_stops import Piece, Shown, Sides, Stops, nearest_stop
 
 Array = NDArray[np.float64]
 BETWEEN = np.array([0.13, 0.31, 0.5, 0.69, 0.87])  # shares of an edge at which heights on both sides are compared
 OUTSIDE = 1e-5  # [m] beyond a side, where it is looked what stands there
-LAID = 49  # places through which a curve over a way is laid
 LOOKS = 24  # places along a side at which it is looked what stands beyond
 
 
@@ -280,7 +277,10 @@ class Faces:
             a, b = way.places(start + (1 - np.cos(np.pi * share)) / 2 * (end - start))
             return np.stack([a, b, skin.heights(roofs[0], a, b)], axis=1)
 
-        spline = Spline.through(MM * points(spread(points(LOOKED), LOOKED, LAID)))
+        spline = laid(points, skin.table, roofs[0])
+        if spline is None:
+            x, y = way.at((start + end) / 2)
+            raise ValueError(f"a surface has no edge at ({x:.3f}, {y:.3f}) m; change a parameter a little")
         return Step(spline, 0.0, spline.end)
 
     def _wall(self, piece: Piece, lower: Step, upper: Step, *, left: bool, shown: bool, level: float | None) -> None:
