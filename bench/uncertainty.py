@@ -90,12 +90,12 @@ def _row(family: str, name: str, numbers: list[Number]) -> Iterator[tuple[Figure
         yield family, name, len(numbers), float(within(numbers).mean()), *middle
 
 
-def measure(seeds: Iterable[int]) -> tuple[list[Number], dict[str, int]]:
+def measure(seeds: Iterable[int], points: int = POINTS) -> tuple[list[Number], dict[str, int]]:
     """All numbers of virtual scans over all families in turn, and how many scans are left out, by reason."""
     numbers: list[Number] = []
     left_out: dict[str, int] = {}
     for seed in seeds:
-        found = _numbers(FAMILIES[seed % len(FAMILIES)], seed)
+        found = _numbers(FAMILIES[seed % len(FAMILIES)], seed, points)
         if isinstance(found, str):
             left_out[found] = left_out.get(found, 0) + 1
         else:
@@ -103,12 +103,12 @@ def measure(seeds: Iterable[int]) -> tuple[list[Number], dict[str, int]]:
     return numbers, left_out
 
 
-def _numbers(family: type[Vault], seed: int) -> list[Number] | str:
+def _numbers(family: type[Vault], seed: int, points: int) -> list[Number] | str:
     """Those of one scan, or why there are none."""
     rng = np.random.default_rng(seed)
     vault, settings = draw(family, rng)
     try:
-        virtual = scan(vault, replace(settings, points=POINTS), rng=rng)
+        virtual = scan(vault, replace(settings, points=points), rng=rng)
     except (VaultcadError, ValueError):
         return "could not be scanned"
     try:

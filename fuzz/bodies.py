@@ -12,7 +12,7 @@ from families.declaration.pieces import Lid, Piece, Web
 from families.declaration.plan import Plan
 from families.declaration.vault import IDENTITY
 from families.solid.mesh import mesh
-from families.void import kernel
+from families.void import body_table, kernel
 from families.void.columns import heights
 
 Array = NDArray[np.float64]
@@ -32,8 +32,8 @@ def inside(pieces: tuple[Piece, ...], plan: Plan | None, points: Array) -> NDArr
     for piece in pieces:
         names = {name for part in piece.parts if not isinstance(part, Lid) for name in part.names}
         names |= {part.below for part in piece.parts if getattr(part, "below", "")}
-        table = kernel.pack((piece,), tuple(sorted(names)))
-        here = kernel.distances(points, IDENTITY, table, kernel.pack_plan(None)) < 0
+        table = body_table.pack((piece,), tuple(sorted(names)))
+        here = kernel.distances(points, IDENTITY, table, body_table.pack_plan(None)) < 0
         if piece.foot is not None and plan is not None:
             here &= points[:, 2] > piece.foot
         elif plan is not None:

@@ -31,7 +31,8 @@ from vtkmodules.vtkRenderingCore import (
 from segmentation import read
 from segmentation.normals import estimate
 from segmentation.voxel import thin
-from vaultcad.export.geometry import Body, bodies
+from vaultcad.export.component_bodies import Body
+from vaultcad.export.geometry import bodies
 from vaultcad.export.palette import colour
 from vaultcad.pipeline import fit_scan
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from families.declaration.parameters import Parametric, Range
-from families.declaration.plan import Vector
+from families.declaration.plan_sides import Vector
 
 
 @dataclass(frozen=True)

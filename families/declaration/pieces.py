@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from families.declaration.plan import Side, Vector
+from families.declaration.plan_sides import Side, Vector
 from families.declaration.profiles import Curve, Profile
 
 

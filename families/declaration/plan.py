@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
-from math import atan2, cos, hypot, pi, sin, sqrt
+from math import cos, hypot, pi, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.once import Once
+from families.declaration.plan_sides import MovedSide, Side, Vector, circle_sides, straight_sides
 
 Array = NDArray[np.float64]
-Vector = tuple[float, float]
 # Columns of a plan's table, one row a side; a straight one has its normal at CENTRE and its offset as REACH.
 CENTRE_X, CENTRE_Y, REACH, SHAPE, OTHER = range(5)  # OTHER: the row of a notch's other side
 # SHAPE: WITHIN and BEYOND a circle is where the plan lies. BOX: a side of a rectangle about the origin along x and y,
@@ -22,70 +22,6 @@ STRAIGHT, WITHIN, BEYOND, NOTCH, BOX = 0.0, 1.0, -1.0, 2.0, 3.0
 BOX_TABLE = np.array([[x, y, 0.0, BOX, 0.0] for x, y in ((0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0))])
 X: Vector = (1.0, 0.0)
 Y: Vector = (0.0, 1.0)
-
-
-@dataclass(frozen=True)
-class Side:
-    """One side of a plan from `start` to `end` [m], the plan on its left.
-
-    Straight, or an arc about `centre`, counterclockwise where the plan is within its circle (`inside`), else clockwise.
-    `on_wall`: the stone may stand on the wall beyond, as the extrados of a barrel does.
-    """
-
-    start: Vector
-    end: Vector
-    on_wall: bool = False
-    centre: Vector | None = None
-    inside: bool = True
-
-    @property
-    def radius(self) -> float:
-        """Radius of an arc [m]."""
-        assert self.centre is not None
-        return hypot(self.start[0] - self.centre[0], self.start[1] - self.centre[1])
-
-    @Once
-    def normal(self) -> Vector:
-        """Unit normal of a straight side, out of the plan."""
-        x, y = self.end[0] - self.start[0], self.end[1] - self.start[1]
-        size = hypot(x, y)
-        return y / size, -x / size
-
-    @Once
-    def offset(self) -> float:
-        """Distance [m] of a straight side from the origin, along its normal."""
-        x, y = self.normal
-        return x * (self.start[0] + self.end[0]) / 2 + y * (self.start[1] + self.end[1]) / 2
-
-    @property
-    def sweep(self) -> float:
-        """Angle [rad] of an arc from start to end, positive counterclockwise."""
-        assert self.centre is not None
-        a, b = self.centre
-        turn = atan2(self.end[1] - b, self.end[0] - a) - atan2(self.start[1] - b, self.start[0] - a)
-        return turn % (2 * pi) if self.inside else -(-turn % (2 * pi))
-
-    @property
-    def outermost(self) -> list[Vector]:
-        """Its ends, and where else it may reach farthest along x and y [m]."""
-        found = [self.start, self.end]
-        if self.centre is not None and self.inside:
-            (a, b), r, (x, y) = self.centre, self.radius, self.start
-            dx, dy = self.end[0] - x, self.end[1] - y
-            axes = ((a + r, b), (a, b + r), (a - r, b), (a, b - r))
-            found += [(p, q) for p, q in axes if dx * (q - y) < dy * (p - x)]  # right of the chord, as the arc is
-        return found
-
-    def points(self, count: int) -> Array:
-        """`count` + 1 points (n, 2) [m] at even distances from start to end."""
-        share = np.linspace(0, 1, count + 1)[:, None]
-        if self.centre is None:
-            return np.array(self.start) * (1 - share) + np.array(self.end) * share
-        (a, b), (x, y) = self.centre, self.start
-        angle = atan2(y - b, x - a) + self.sweep * share
-        found: Array = np.array(self.centre) + self.radius * np.hstack([np.cos(angle), np.sin(angle)])
-        found[0], found[-1] = self.start, self.end
-        return found
 
 
 @dataclass(frozen=True)
@@ -119,7 +55,7 @@ class Plan:
     def rectangle(half_x: float, half_y: float, on_wall_x: bool = False, on_wall_y: bool = False) -> Plan:
         """By half extents [m]: sides south, east, north, west; `on_wall_x` speaks of those at the ends of x."""
         corners = ((-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y))
-        plan = Plan(_straight(corners, (on_wall_y, on_wall_x, on_wall_y, on_wall_x)))
+        plan = Plan(straight_sides(corners, (on_wall_y, on_wall_x, on_wall_y, on_wall_x)))
         # What follows from the sides is known beforehand: an optimiser waits for thousands of them.
         table = BOX_TABLE.copy()
         table[:, REACH] = half_y, half_x, half_y, half_x
@@ -132,12 +68,12 @@ class Plan:
     def polygon(corners: tuple[Vector, ...], on_wall: tuple[bool, ...] | bool = False) -> Plan:
         """By its corners [m], counterclockwise; a flag for the side from each corner to the next, or one for all."""
         flags = on_wall if isinstance(on_wall, tuple) else (on_wall,) * len(corners)
-        return Plan(_straight(corners, flags))
+        return Plan(straight_sides(corners, flags))
 
     @staticmethod
     def disc(radius: float, on_wall: bool = False) -> Plan:
         """A circle about the origin [m]."""
-        return Plan(_circle(radius, on_wall, inside=True))
+        return Plan(circle_sides(radius, on_wall, inside=True))
 
     @staticmethod
     def half_disc(radius: float, on_wall: bool = False) -> Plan:
@@ -155,7 +91,7 @@ class Plan:
     def sector(inner: float, outer: float, angle: float, on_wall: bool = False) -> Plan:
         """A sector of a ring about the origin between two radii [m], over an angle [rad] about the y axis."""
         if angle >= 2 * pi - 1e-9:
-            return Plan((*_circle(outer, on_wall, inside=True), *_circle(inner, on_wall, inside=False)))
+            return Plan((*circle_sides(outer, on_wall, inside=True), *circle_sides(inner, on_wall, inside=False)))
         steps = max(1, round(angle / (pi / 2) + 0.499999))
         turns = [pi / 2 + angle * (k / steps - 0.5) for k in range(steps + 1)]
         rim, hub = ([(r * cos(a), r * sin(a)) for a in turns] for r in (outer, inner))
@@ -315,7 +251,7 @@ class Plan:
             return self
         found = []
         for loop in self.loops:
-            moved = [_Edge.of(side, thickness if side.on_wall else 0.0) for side in loop]
+            moved = [MovedSide.of(side, thickness if side.on_wall else 0.0) for side in loop]
             starts = [moved[k - 1].meets(moved[k], side.start) for k, side in enumerate(loop)]
             ends = [*starts[1:], starts[0]]
             found += [replace(side, start=a, end=b) for side, a, b in zip(loop, starts, ends, strict=True)]
@@ -335,56 +271,8 @@ class Plan:
         return found
 
 
-@dataclass(frozen=True)
-class _Edge:
-    """A side of a plan that was moved: a line by normal and offset, or a circle."""
-
-    side: Side
-    offset: float
-    radius: float
-
-    @staticmethod
-    def of(side: Side, by: float) -> _Edge:
-        if side.centre is None:
-            return _Edge(side, side.offset + by, 0.0)
-        return _Edge(side, 0.0, side.radius + (by if side.inside else -by))
-
-    def meets(self, other: _Edge, near: Vector) -> Vector:
-        """Where two meet, nearest to where they met before they were moved."""
-        a, b = (self, other) if self.side.centre is None else (other, self)
-        if a.side.centre is not None:  # two arcs of one circle
-            assert b.side.centre is not None
-            x, y = near[0] - b.side.centre[0], near[1] - b.side.centre[1]
-            share = other.radius / hypot(x, y)
-            return b.side.centre[0] + share * x, b.side.centre[1] + share * y
-        (p, q) = a.side.normal
-        if b.side.centre is None:
-            (r, s) = b.side.normal
-            det = p * s - q * r
-            return (s * a.offset - q * b.offset) / det, (p * b.offset - r * a.offset) / det
-        cx, cy = b.side.centre
-        gap = a.offset - p * cx - q * cy
-        reach = sqrt(b.radius**2 - gap**2)
-        ends = [(cx + gap * p - sign * reach * q, cy + gap * q + sign * reach * p) for sign in (-1, 1)]
-        return min(ends, key=lambda end: hypot(end[0] - near[0], end[1] - near[1]))
-
-
 def _is_box(rows: list[tuple[float, ...]]) -> bool:
     """Whether the sides are those of `Plan.rectangle`, in its order."""
     if len(rows) != 4 or rows[0][:2] != (0.0, -1.0) or rows[1][:2] != (1.0, 0.0):
         return False
     return rows[2][:3] == (0.0, 1.0, rows[0][REACH]) and rows[3][:3] == (-1.0, 0.0, rows[1][REACH])
-
-
-def _straight(corners: tuple[Vector, ...], on_wall: tuple[bool, ...]) -> tuple[Side, ...]:
-    """From each corner to the next."""
-    ends = (*corners[1:], corners[0])
-    return tuple(Side(*side) for side in zip(corners, ends, on_wall, strict=True))
-
-
-def _circle(radius: float, on_wall: bool, inside: bool) -> tuple[Side, ...]:
-    """Four quarters."""
-    ends = [(radius, 0.0), (0.0, radius), (-radius, 0.0), (0.0, -radius), (radius, 0.0)]
-    if not inside:
-        ends = ends[::-1]
-    return tuple(Side(a, b, on_wall, (0.0, 0.0), inside) for a, b in pairwise(ends))

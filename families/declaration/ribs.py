@@ -16,7 +16,8 @@ import numpy as np
 
 from families.declaration.parameters import Parametric, Range
 from families.declaration.pieces import BarrelPart, Ceiling
-from families.declaration.plan import Plan, Side, Vector
+from families.declaration.plan import Plan
+from families.declaration.plan_sides import Side, Vector
 from families.declaration.profiles import Curve, Profile
 
 DIAGONAL, WALL, RIDGE = RIB_KINDS = ("diagonal", "wall", "ridge")

@@ -181,10 +181,10 @@ class Vault(Parametric):
         >>> here.distance.round(3).tolist(), [vault.components[k - 1] for k in here.component]
         ([-0.1, 0.2], ['web_south', 'web_east'])
         """
-        from families.void import kernel
+        from families.void import body_table, kernel
 
-        table = kernel.pack(self.pieces(), self.components)
-        plan = kernel.pack_plan(self.plan if walls else None)
+        table = body_table.pack(self.pieces(), self.components)
+        plan = body_table.pack_plan(self.plan if walls else None)
         parts = _in_threads(lambda points: kernel.surface(points, frame, table, plan), _points(xyz))
         if len(parts) == 1:
             return Surface(*parts[0])
@@ -199,10 +199,10 @@ class Vault(Parametric):
         >>> Barrel(span=4, length=6).distance(np.array([[0.0, 0.0, 1.5], [0.0, 0.0, 2.25]])).tolist()
         [-0.5, 0.25]
         """
-        from families.void import kernel
+        from families.void import body_table, kernel
 
-        table = kernel.pack(self.pieces(), self.components)
-        plan = kernel.pack_plan(self.plan if walls else None)
+        table = body_table.pack(self.pieces(), self.components)
+        plan = body_table.pack_plan(self.plan if walls else None)
         parts = _in_threads(lambda points: kernel.distances(points, frame, table, plan), _points(xyz))
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 

@@ -14,7 +14,8 @@ from families.declaration.footprint import SECTOR, Footprint
 from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Piece, Turned
-from families.declaration.plan import Plan, Vector
+from families.declaration.plan import Plan
+from families.declaration.plan_sides import Vector
 from families.declaration.profiles import Elliptical, Profile, Semicircular
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import drawn_arch

@@ -15,7 +15,8 @@ from families.declaration.footprint import CORNERED, POLYGON, Footprint
 from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ball, BarrelPart, Lid, Piece, cove
-from families.declaration.plan import Plan, Vector
+from families.declaration.plan import Plan
+from families.declaration.plan_sides import Vector
 from families.declaration.profiles import Arc, Curve, Elliptical, Profile, Semicircular
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import drawn_arch, either

@@ -15,7 +15,8 @@ from families.declaration.footprint import Footprint
 from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import Ball, Piece
-from families.declaration.plan import Plan, Vector
+from families.declaration.plan import Plan
+from families.declaration.plan_sides import Vector
 from families.declaration.profiles import circle_through
 from families.declaration.symmetry import Symmetry
 from families.declaration.vault import Vault

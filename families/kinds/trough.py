@@ -14,7 +14,8 @@ from families.declaration.footprint import Footprint
 from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece, cove
-from families.declaration.plan import Plan, Side
+from families.declaration.plan import Plan
+from families.declaration.plan_sides import Side
 from families.declaration.profiles import Profile, Semicircular
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import coarse_arches, drawn_arch, either

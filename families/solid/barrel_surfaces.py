@@ -15,7 +15,7 @@ from OCP.TColgp import TColgp_Array2OfPnt
 from OCP.TColStd import TColStd_Array2OfReal
 
 from families.declaration.pieces import BarrelPart
-from families.declaration.plan import Vector
+from families.declaration.plan_sides import Vector
 from families.declaration.units import MM
 from families.solid.curves import Conic, Path, Point, Straight, arc_parameter, arc_poles, arc_weight
 from families.solid.heights import APEX

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -13,19 +13,25 @@ from families.solid.curves import Path, Point
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Step:
-    """A way along a path from one parameter to another, as a part of a face's boundary."""
+    """A way along a path from one parameter to another, as a part of a face's boundary.
+
+    A net keeps the numbers of its vertices, once they were asked for, in `ends`.
+    """
 
     path: Path
     start: float
     end: float
+    ends: tuple[int, int] | None = field(default=None, init=False, repr=False)
 
     @property
     def reversed(self) -> Step:
         """The way back."""
         back = Step(self.path, self.end, self.start)
         vars(back)["places"] = self.places[::-1]  # it need not be asked again
+        if self.ends is not None:
+            back.ends = self.ends[::-1]
         return back
 
     @cached_property
@@ -38,7 +44,7 @@ class Step:
         return self.path.points(self.start + np.array(shares) * (self.end - self.start))
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Pole(Step):
     """A boundary that is one point of space, and a line of the surface's parameters from `first` to `last`."""
 

@@ -6,16 +6,16 @@ one from side to side, or three from a point inside. Any other cell is halved fi
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.plan import Vector
+from families.declaration.plan_sides import Vector
 from families.declaration.units import MM
 from families.solid.curves import Spline
-from families.solid.heights import WIDTH, change, height_at, heights, shown, shown_at, stray, trace
+from families.solid.heights import WIDTH, change, height_at, heights, shown, shown_at, sole, stray, trace
 from families.solid.plan_cells import EIGHTHS, SAME_PLACE, Cell, Cut, Ground, Part
 from families.solid.roofs import Roof
 from families.solid.splines import spread
@@ -107,6 +107,9 @@ class Skin:
         self.regions += self._parted(cell, np.array(rows), np.array(owners), HALVED)
 
     def _parted(self, cell: Cell, rows: NDArray[np.int64], owners: NDArray[np.int64], depth: int) -> Iterator[Region]:
+        if (only := sole(cell.table, EDGE_SHARES, (THIRDS, RAYS), self.table, rows, owners)) >= 0:
+            yield Region(int(rows[only]), list(cell.loop))
+            return
         found = _Outline(self, cell, rows, owners)
         changes = found.changes()
         regions = found.regions(changes)
@@ -167,7 +170,8 @@ class _Outline:
         self.labels = label[sure]
         x, y, parts, at, label = x[sure], y[sure], parts[sure], at[sure], label[sure]
         found: list[_Change] = []
-        for i in np.flatnonzero(label != np.roll(label, -1)).tolist():
+        turns = np.flatnonzero(label[1:] != label[:-1]).tolist()
+        for i in [*turns, len(label) - 1] if label[0] != label[-1] else turns:
             j = (i + 1) % len(label)
             if parts[i] == parts[j]:
                 found += self._between(int(parts[i]), at[i], at[j], int(label[i]), int(label[j]))
@@ -271,7 +275,7 @@ class _Outline:
         xs = (mx + np.outer(RAYS, x - mx)).ravel()
         ys = (my + np.outer(RAYS, y - my)).ravel()
         label, sure = self._shown(xs, ys)
-        return [int(k) for k in np.unique(label[sure])]
+        return sorted(set(label[sure].tolist()))
 
     def _along(self, start: _Change, end: _Change) -> list[Bound]:
         """The boundary from one change to the next."""
@@ -299,18 +303,8 @@ class _Outline:
             found: Array = trace(first, last, (1 - np.cos(np.pi * share)) / 2, parts, self.skin.table, *rows)
             return found
 
-        there = points(LOOKED)
-        if np.isnan(there).any():
-            return None
-        for count in NODES:
-            laid = points(spread(there, LOOKED, count))
-            if np.isnan(laid).any():
-                return None
-            spline = Spline.through(MM * laid)
-            between = spline.points((spline.nodes[1:] + spline.nodes[:-1]) / 2) / MM
-            if stray(between, self.skin.table, rows[0]) < NEAR_ENOUGH:
-                break
-        return Line(start, end, spline)
+        spline = laid(points, self.skin.table, rows[0])
+        return None if spline is None else Line(start, end, spline)
 
     def _meeting(self, labels: list[int], place: Array) -> Vector | None:
         """Where three roofs are as high, by Newton's method from a place."""
@@ -337,6 +331,25 @@ class _Outline:
             return None
         found = float(place[0]), float(place[1])
         return found if self.cell.within(place[:1], place[1:])[0] else None
+
+
+def laid(points: Callable[[Array], Array], roofs: Array, row: int) -> Spline | None:
+    """A curve [mm] on a roof, by its points (n, 3) [m] at shares (n,) of it; None where it cannot be followed.
+
+    It is laid through so many that it is near enough to the roof between them.
+    """
+    there = points(LOOKED)
+    if np.isnan(there).any():
+        return None
+    for count in NODES:
+        nodes = points(spread(there, LOOKED, count))
+        if np.isnan(nodes).any():
+            return None
+        spline = Spline.through(MM * nodes)
+        between = spline.points((spline.nodes[1:] + spline.nodes[:-1]) / 2) / MM
+        if stray(between, roofs, row) < NEAR_ENOUGH:
+            break
+    return spline
 
 
 def _ahead(part: Part, start: float, end: float) -> bool:

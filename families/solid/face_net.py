@@ -105,11 +105,10 @@ class Net:
         if not steps:
             return loops
         for step in steps:
-            self.vertex(step.places[0])
-            self.vertex(step.places[2])
+            self.ends(step)
         first, middle, last = np.array([step.places for step in steps]).swapaxes(0, 1)
-        # An arc leaves the box of these three by less than its sagitta.
-        slack = np.abs(2 * middle - first - last).max(axis=1, keepdims=True) + ONE
+        # Along each axis an arc leaves the box of its ends by less than twice what its middle is off that of the chord.
+        slack = np.abs(2 * middle - first - last) + ONE
         low, high = np.minimum(first, last) - slack, np.maximum(first, last) + slack
         beside = np.ones((len(steps), len(self.places)), bool)
         for axis in range(3):
@@ -147,16 +146,17 @@ class Net:
 
     def ends(self, step: Step) -> tuple[int, int]:
         """The vertices of a step."""
-        first, _, last = step.places
-        return self.vertex(first), self.vertex(last)
+        if step.ends is None:
+            first, _, last = step.places
+            step.ends = self.vertex(first), self.vertex(last)
+        return step.ends
 
     def edge(self, step: Step) -> tuple[int, bool] | None:
         """The edge of a step and whether it runs the same way; None where the step is no longer than a vertex."""
-        first, middle, last = step.places
-        ends = self.vertex(first), self.vertex(last)
+        ends = self.ends(step)
         if ends[0] == ends[1]:
             return None
-        if (k := self._found(ends, middle)) is not None:
+        if (k := self._found(ends, step.places[1])) is not None:
             return k, self.edges[k].ends == ends
         return self._edge(step, ends)
 

@@ -2,67 +2,34 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import hypot, pi
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from families.declaration.plan import Vector
+from families.declaration.plan_sides import Vector
 from families.declaration.units import MM
 from families.solid.bodies import Void
 from families.solid.boundary import Loop, Pole, Step
-from families.solid.curves import Point, Spline, Straight
-from families.solid.envelope import LOOKED, SAME_HEIGHT, Line, Skin
+from families.solid.envelope import SAME_HEIGHT, Line, Skin, laid
 from families.solid.face_net import ONE, Net, Patch, near
 from families.solid.heights import between, change, shown
-from families.solid.plan_cells import SAME_PLACE, Ground, Part, Way
+from families.solid.plan_cells import Ground, Part, Way
 from families.solid.plane_regions import regions
 from families.solid.roofs import Plane, Roof
 from families.solid.seamless import seamless
-from families.solid.splines import spread
-from families.solid.surfaces import Flat, Sheet
-from families.solid.turned_surfaces import Drum
+from families.solid.walls import Wall, Walls
+from families.solid.way_stops import Piece, Shown, Sides, Stops, nearest_stop
 
 Array = NDArray[np.float64]
 BETWEEN = np.array([0.13, 0.31, 0.5, 0.69, 0.87])  # shares of an edge at which heights on both sides are compared
 OUTSIDE = 1e-5  # [m] beyond a side, where it is looked what stands there
-LAID = 49  # places through which a curve over a way is laid
 LOOKS = 24  # places along a side at which it is looked what stands beyond
-SAME_STOP = 1e-9  # [m]
-ROUNDED = 1e-5  # [m]
-POLE = -1  # stands for a way that ends at a pole
-Piece = tuple[int, int]  # of a way, from one of its stops to the next
-
-
-class Sides(NamedTuple):
-    """The roofs on the left and on the right of a piece; -1 where there is none."""
-
-    left: int = -1
-    right: int = -1
-
-    @property
-    def inner(self) -> int:
-        """The roof at the edge of a region."""
-        return max(self)
-
-
-class Wall(NamedTuple):
-    """An upright surface, whether the body lies where its normal points, and whether it is of the void's own.
-
-    `above` if it is the part above a springing where the wall below has another name.
-    """
-
-    sheet: Sheet
-    flipped: bool
-    shown: bool
-    above: bool = False
 
 
 @dataclass
@@ -74,23 +41,26 @@ class Faces:
     top: Skin
     bottom: Skin
     beyond: Void | None = None
-    walls: dict[Wall, Loop] = field(default_factory=lambda: defaultdict(list))
-    _sheets: dict[tuple[float, ...], Sheet] = field(default_factory=dict)
+    walls: Walls = field(default_factory=Walls)
     _levels: dict[float, Plane] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Lay all steps."""
         self.outer = Skin(self.ground)
-        self.stops: dict[int, list[float]] = {}
-        self._stop(self._ends())
-        self.above, self.below = self._seen(self.top), self._seen(self.bottom)
+        self.stops = Stops(self.ground)
+        self.stops.add(self._ends())
+        self.above, self.below = self.stops.seen(self.top), self.stops.seen(self.bottom)
         crossings = self._crossings(self.top, self.above), self._crossings(self.bottom, self.below)
         forced = [*crossings[0], *crossings[1], *self._changes_beyond()]
         if forced:
-            self._stop(forced)
-            self.above, self.below = self._seen(self.top), self._seen(self.bottom)
+            self.stops.add(forced)
+            self.above, self.below = self.stops.seen(self.top), self.stops.seen(self.bottom)
         forced += self._line_ends()
-        self._join({(way, self._nearest(self.stops[way], t)) for way, t in forced})
+        self.above, self.below = self.stops.join(
+            (self.above, self.below),
+            [roof.pole[0] for roof in (*self.top.roofs, *self.bottom.roofs) if roof.pole is not None],
+            {(way, nearest_stop(self.stops.at[way], t)) for way, t in forced},
+        )
         self.roofs: tuple[dict[int, Loop], dict[int, Loop]] = (defaultdict(list), defaultdict(list))
         for skin, seen, steps, upper in (
             (self.top, self.above, self.roofs[0], True),
@@ -105,13 +75,13 @@ class Faces:
         patches = [
             *self._roof_patches(self.top, self.roofs[0], flipped=False),
             *self._roof_patches(self.bottom, self.roofs[1], flipped=True),
-            *self._wall_patches(self.walls),
+            *self._wall_patches(self.walls.loops),
         ]
         self._add(patches)
 
     def show(self) -> None:
         """Add the roofs of the top and the walls of the void, not the sides at which its plan ends."""
-        walls = self._wall_patches([wall for wall in self.walls if wall.shown])
+        walls = self._wall_patches([wall for wall in self.walls.loops if wall.shown])
         self._add([*self._roof_patches(self.top, self.roofs[0], flipped=False), *walls])
 
     def _add(self, patches: list[Patch]) -> None:
@@ -137,111 +107,23 @@ class Faces:
                     elif isinstance(after, Part) and not isinstance(before, Part):
                         yield after.way, after.start
 
-    def _stop(self, at: Iterable[tuple[int, float]]) -> None:
-        found: dict[int, list[float]] = defaultdict(list)
-        for way, t in at:
-            found[way].append(t)
-        for way, ends in found.items():
-            self.stops[way] = self._apart(way, sorted({*ends, *self.stops.get(way, [])}))
-
-    def _apart(self, way: int, at: list[float]) -> list[float]:
-        """Stops at one place once."""
-        kept: list[float] = []
-        (a, b), (c, d) = self.ground.ways[way].start, self.ground.ways[way].end
-        size = hypot(c - a, d - b)
-        for t in at:
-            if not kept or (t - kept[-1]) * size > SAME_STOP:
-                kept.append(t)
-            elif t == 1.0:
-                kept[-1] = t
-        return kept
-
-    def _pieces(self, part: Part) -> Iterator[Piece]:
-        stops = self.stops[part.way]
-        first, last = self._nearest(stops, part.start), self._nearest(stops, part.end)
-        for k in range(min(first, last), max(first, last)):
-            yield part.way, k
-
-    @staticmethod
-    def _nearest(stops: list[float], t: float) -> int:
-        k = bisect_left(stops, t)
-        if k == len(stops) or (k and t - stops[k - 1] < stops[k] - t):
-            return k - 1
-        return k
-
-    def _seen(self, skin: Skin) -> dict[Piece, Sides]:
-        """What a skin shows on both sides of each piece."""
-        found: dict[Piece, Sides] = {}
-        for region in skin.regions:
-            for part in region.loop:
-                if isinstance(part, Part):
-                    for piece in self._pieces(part):
-                        left, right = found.get(piece, (-1, -1))
-                        found[piece] = Sides(region.roof, right) if part.end > part.start else Sides(left, region.roof)
-        return found
-
-    def _join(self, forced: set[Piece]) -> None:
-        """Drop the stops at which nothing changes: there only a cut of the plan is passed."""
-        above, below = self.above, self.below
-        ends = self._edge_ends()
-        for roof in (*self.top.roofs, *self.bottom.roofs):
-            if roof.pole is not None:
-                ends[_rounded(*roof.pole[0])].add(POLE)
-        self.above, self.below = {}, {}
-        for way, stops in self.stops.items():
-            kept: list[float] = []
-            before: tuple[Sides | None, Sides | None] = (None, None)
-            for k, stop in enumerate(stops):
-                here = above.get((way, k)), below.get((way, k))
-                passed = here == before and (way, k) not in forced and here != (None, None)
-                if passed and not ends.get(_rounded(*self.ground.ways[way].at(stop)), set()) - {way}:
-                    continue
-                for seen, sides in zip((self.above, self.below), here, strict=True):
-                    if sides is not None:
-                        seen[way, len(kept)] = sides
-                if here != (None, None) or before != (None, None):
-                    kept.append(stop)
-                before = here
-            self.stops[way] = kept
-
-    def _edge_ends(self) -> dict[tuple[int, int], set[int]]:
-        """The ways along which an edge ends at a place, by all that this may be rounded to."""
-        found: dict[tuple[int, int], set[int]] = defaultdict(set)
-        for way, stops in self.stops.items():
-            edges = [
-                any(len(set(seen[way, k])) > 1 for seen in (self.above, self.below) if (way, k) in seen)
-                for k in range(len(stops) - 1)
-            ]
-            for k, stop in enumerate(stops):
-                if (k > 0 and edges[k - 1]) == (k < len(edges) and edges[k]):
-                    continue
-                x, y = self.ground.ways[way].at(stop)
-                (x0, y0), (x1, y1) = _rounded(x - SAME_PLACE, y - SAME_PLACE), _rounded(x + SAME_PLACE, y + SAME_PLACE)
-                for place in {(x0, y0), (x0, y1), (x1, y0), (x1, y1)}:
-                    found[place].add(way)
-        return found
-
-    def _span(self, piece: Piece) -> tuple[float, float]:
-        way, k = piece
-        return self.stops[way][k], self.stops[way][k + 1]
-
     def _middle(self, piece: Piece) -> Vector:
-        start, end = self._span(piece)
+        start, end = self.stops.span(piece)
         return self.ground.ways[piece[0]].at((start + end) / 2)
 
     def _apart_by(self, piece: Piece, upper: tuple[Skin, int], lower: tuple[Skin, int]) -> list[float]:
         """How much higher one roof is than another `BETWEEN` the ends of a piece."""
-        way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
+        way, (start, end) = self.ground.ways[piece[0]], self.stops.span(piece)
         (one, a), (other, b) = upper, lower
         return between(way.row, start, end, BETWEEN, one.table, a, other.table, b).tolist()  # type: ignore[no-any-return]
 
-    def _crossings(self, skin: Skin, seen: dict[Piece, Sides]) -> Iterator[tuple[int, float]]:
+    def _crossings(self, skin: Skin, seen: Shown) -> Iterator[tuple[int, float]]:
         """Where the two sides of a wall are as high: where they cross, or touch as a pendentive does its octagon."""
         for piece, (left, right) in seen.items():
             if left == right or left < 0 or right < 0:
                 continue
             miss = self._apart_by(piece, (skin, left), (skin, right))
-            way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
+            way, (start, end) = self.ground.ways[piece[0]], self.stops.span(piece)
 
             def off(t: float, way: Way = way, left: int = left, right: int = right) -> float:
                 place = way.at(t)
@@ -264,10 +146,10 @@ class Faces:
         for piece, (rows, owners) in there.items():
             before = there.get((piece[0], piece[1] - 1))
             if before is not None and not np.array_equal(before[0], rows):
-                yield piece[0], self._span(piece)[0]
+                yield piece[0], self.stops.span(piece)[0]
             if len(rows) < 2:
                 continue
-            way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
+            way, (start, end) = self.ground.ways[piece[0]], self.stops.span(piece)
             at = start + (end - start) * (np.arange(LOOKS) + 0.5) / LOOKS
             label, sure = shown(*way.places(at), self.outer.table, rows, owners)
             at, label = at[sure], label[sure]
@@ -279,7 +161,7 @@ class Faces:
     def _touches(self, piece: Piece, roof: int, first: int, last: int) -> Iterator[tuple[int, float]]:
         """The ends of a side at which what stands beyond comes up to the roof, as an arch does under a ring."""
         middle = self._middle(piece)
-        for t, label in zip(self._span(piece), (first, last), strict=True):
+        for t, label in zip(self.stops.span(piece), (first, last), strict=True):
             place = self.ground.ways[piece[0]].at(t)
             gap, off = (abs(self.top.height(roof, *at) - self.outer.height(label, *at)) for at in (place, middle))
             if gap < SAME_HEIGHT < off:
@@ -296,19 +178,9 @@ class Faces:
     def _beside(self, piece: Piece, sides: Sides) -> Vector:
         """A place just beyond a side."""
         x, y = self._middle(piece)
-        nx, ny = self._right(piece[0], x, y)
+        nx, ny = self.ground.ways[piece[0]].right(x, y)
         step = OUTSIDE if sides.left >= 0 else -OUTSIDE
         return x + step * nx, y + step * ny
-
-    def _right(self, number: int, x: float, y: float) -> Vector:
-        """Unit vector to the right of a way at a place."""
-        way = self.ground.ways[number]
-        if way.centre is None:
-            dx, dy = way.end[0] - way.start[0], way.end[1] - way.start[1]
-            size = hypot(dx, dy)
-            return dy / size, -dx / size
-        turn = 1 if way.sweep > 0 else -1
-        return turn * (x - way.centre[0]) / way.radius, turn * (y - way.centre[1]) / way.radius
 
     # Steps along the edges of roofs.
 
@@ -322,7 +194,7 @@ class Faces:
                     step = known.setdefault(line, Step(line.spline, 0.0, line.spline.end))
                     steps[region.roof].append(step if along.forward else step.reversed)
 
-    def _inner(self, skin: Skin, seen: dict[Piece, Sides], steps: dict[int, Loop], upper: bool) -> None:
+    def _inner(self, skin: Skin, seen: Shown, steps: dict[int, Loop], upper: bool) -> None:
         """Where roofs meet, or step, along the ways."""
         for piece, (left, right) in seen.items():
             if left == right or left < 0 or right < 0:
@@ -378,7 +250,7 @@ class Faces:
             yield foot, middle, False
             yield middle, top, True
             return
-        way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
+        way, (start, end) = self.ground.ways[piece[0]], self.stops.span(piece)
         places = way.places(start + BETWEEN * (end - start))
         found, sure = shown(*places, self.outer.table, rows, owners)
         label = int(rows[found[sure.argmax()]])  # where they touch, it cannot be told
@@ -394,7 +266,7 @@ class Faces:
 
     def _step(self, skin: Skin, roofs: tuple[int, ...], piece: Piece) -> Step:
         """The step over a piece, forwards, on roofs that are as high there: exact on one of them, else laid through."""
-        way, (start, end) = self.ground.ways[piece[0]], self._span(piece)
+        way, (start, end) = self.ground.ways[piece[0]], self.stops.span(piece)
         places = way.at(start), way.at(end)
         for roof in roofs:
             first, last = ((MM * x, MM * y, MM * skin.height(roof, x, y)) for x, y in places)
@@ -405,53 +277,26 @@ class Faces:
             a, b = way.places(start + (1 - np.cos(np.pi * share)) / 2 * (end - start))
             return np.stack([a, b, skin.heights(roofs[0], a, b)], axis=1)
 
-        spline = Spline.through(MM * points(spread(points(LOOKED), LOOKED, LAID)))
+        spline = laid(points, skin.table, roofs[0])
+        if spline is None:
+            x, y = way.at((start + end) / 2)
+            raise ValueError(f"a surface has no edge at ({x:.3f}, {y:.3f}) m; change a parameter a little")
         return Step(spline, 0.0, spline.end)
-
-    # Walls.
 
     def _wall(self, piece: Piece, lower: Step, upper: Step, *, left: bool, shown: bool, level: float | None) -> None:
         """Upright between two steps over a piece, the body on its left or right; parted at a level [m]."""
-        sheet, turned = self._upright(piece)
+        start, end = self.stops.span(piece)
+        sheet, turned = self.walls.over(self.ground.ways[piece[0]], (start + end) / 2)
         wall = Wall(sheet, left == turned, shown)
         if level is not None and lower.places[1][2] < MM * level - ONE < MM * level + ONE < upper.places[1][2]:
             middle = self._step(self.outer, (self.outer.number(self._planes(level)),), piece)
-            self._bound(wall._replace(above=True), middle, upper, turned)
+            self.walls.bound(wall._replace(above=True), middle, upper, turned)
             upper = middle
-        self._bound(wall, lower, upper, turned)
+        self.walls.bound(wall, lower, upper, turned)
 
     def _planes(self, z: float) -> Plane:
         """One plane a height."""
         return self._levels.setdefault(z, Plane(z))
-
-    def _bound(self, wall: Wall, lower: Step, upper: Step, turned: bool) -> None:
-        """Add the steps around a part of a wall; its normal is to the right of the way, or to the left if turned."""
-        loop = [lower]
-        if upper.places[2][2] - lower.places[2][2] > ONE:
-            loop.append(_plumb(lower.places[2], upper.places[2]))
-        loop.append(upper.reversed)
-        if upper.places[0][2] - lower.places[0][2] > ONE:
-            loop.append(_plumb(upper.places[0], lower.places[0]))
-        self.walls[wall] += [step.reversed for step in loop[::-1]] if turned else loop
-
-    def _upright(self, piece: Piece) -> tuple[Sheet, bool]:
-        """The upright surface over a piece, one for all that lie on it; whether its normal points to the left."""
-        way = self.ground.ways[piece[0]]
-        if way.centre is not None:
-            start, end = self._span(piece)
-            quarter = (way.angle + (start + end) / 2 * way.sweep) // (pi / 2)
-            (x, y), radius = way.centre, way.radius
-            round_key = (x, y, round(radius, 6), quarter % 4)
-            about = (quarter + 0.5) * pi / 2
-            sheet = self._sheets.setdefault(round_key, Drum((MM * x, MM * y), MM * radius, about))
-            return sheet, way.sweep < 0
-        nx, ny = self._right(piece[0], 0.0, 0.0)
-        turned = nx < -SAME_PLACE or (abs(nx) <= SAME_PLACE and ny < 0)
-        if turned:
-            nx, ny = -nx, -ny
-        offset = nx * way.start[0] + ny * way.start[1]
-        key = (round(nx, 6), round(ny, 6), round(offset, 6))
-        return self._sheets.setdefault(key, Flat.upright((nx, ny), MM * offset)), turned
 
     # Faces.
 
@@ -463,7 +308,7 @@ class Faces:
 
     def _wall_patches(self, walls: Iterable[Wall]) -> Iterator[Patch]:
         chosen = list(walls)
-        loops = self.net.cut([self.walls[wall] for wall in chosen])
+        loops = self.net.cut([self.walls.loops[wall] for wall in chosen])
         for wall, loop in zip(chosen, loops, strict=True):
             for found in self._closed(wall.sheet.parameters, loop):
                 yield Patch(wall.sheet, found, wall.flipped)
@@ -488,17 +333,8 @@ class Faces:
         return regions(parameters, [step for step, _ in kept], [end for _, end in kept]) if kept else []
 
 
-def _rounded(x: float, y: float) -> tuple[int, int]:
-    return round(x / ROUNDED), round(y / ROUNDED)
-
-
 def _plan(points: Array) -> Array:
     return points[:, :2]
-
-
-def _plumb(start: Point, end: Point) -> Step:
-    x, y, z = start
-    return Step(Straight((0.0, 0.0, 1.0), (x, y, 0.0)), z, end[2])
 
 
 def _none(heights: list[float]) -> bool:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.plan import Plan, Side
+from families.declaration.plan import Plan
+from families.declaration.plan_sides import Side
 from families.declaration.vault import Vault
 from families.solid.mesh import Mesh
 from families.void.columns import heights

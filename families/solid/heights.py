@@ -11,8 +11,10 @@ from math import inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from families.void import kernel
-from families.void.kernel import compiled, inner, web_height
+from families.solid.cell_loops import is_within, middle, place_on, reach
+from families.void import body_table
+from families.void.compiled import compiled, inner
+from families.void.webs import web_height
 
 Array = NDArray[np.float64]
 
@@ -20,11 +22,10 @@ Array = NDArray[np.float64]
 KIND, X0, Y0, CX, CY, BASE, SLOPE, SPLAY, FLARE, CROWN, LENGTH, SIGN, U, Z, A, B = range(16)
 WIDTH = 30
 FLAT, DRAWN, TURNED, WEB = range(4)  # a web has its other numbers where the numeric surface has them
-WEB_X, WEB_Y, WEB_ACROSS_X, WEB_ACROSS_Y = kernel.X, kernel.Y, kernel.ACROSS_X, kernel.ACROSS_Y
+WEB_X, WEB_Y, WEB_ACROSS_X, WEB_ACROSS_Y = body_table.X, body_table.Y, body_table.ACROSS_X, body_table.ACROSS_Y
 ROUNDING = 1e-13  # of a cosine: a root turns it into a height
 APEX = 1e-12  # share of a cone's profile that is left at its apex
 HALVINGS = 80  # of an interval in which a root is sought
-CORNER = 1e-9  # [rad] beyond its ends, to which an arc reaches
 CLOSE = 1e-15  # [m], places nearer than that are one root
 STEP = 1e-6  # [m] beside a place, by which slopes are told
 DECIDED = 1e-9  # [m], heights nearer than that do not tell which roof shows
@@ -97,73 +98,53 @@ def shown(
 
 
 @inner
-def _on(way: Array, t: float) -> tuple[float, float]:
-    """A place on a way: (x0, y0, x1, y1) of a line, or with (cx, cy, radius, start, sweep) behind them of an arc."""
-    if way[6] == 0.0:
-        return way[0] + t * (way[2] - way[0]), way[1] + t * (way[3] - way[1])
-    angle = way[7] + t * way[8]
-    return way[4] + way[6] * np.cos(angle), way[5] + way[6] * np.sin(angle)
+def _surely(x: float, y: float, roofs: Array, rows: NDArray[np.int64], pieces: NDArray[np.int64]) -> int:
+    """Which of `rows` shows over a place, -1 where another is as high."""
+    found = shown_at(x, y, roofs, rows, pieces)
+    z = height_at(x, y, roofs, rows[found])
+    for j in range(len(rows)):
+        if j != found and abs(height_at(x, y, roofs, rows[j]) - z) < DECIDED:
+            return -1
+    return found  # type: ignore[no-any-return]  # numba is untyped
 
 
 @compiled
-def outline(parts: Array, shares: Array) -> tuple[Array, Array]:
-    """Places along parts of ways, each at all shares; behind a part's way stand its start and end."""
-    count = len(shares)
-    x, y = np.empty(len(parts) * count), np.empty(len(parts) * count)
+def sole(
+    parts: Array,
+    edge: Array,
+    inside: tuple[Array, Array],
+    roofs: Array,
+    rows: NDArray[np.int64],
+    pieces: NDArray[np.int64],
+) -> int:
+    """The only one of `rows` that shows over a cell, -1 where others do, too, or it cannot be told.
+
+    Looked at are the boundary, at shares of each part, and places between the middle of the cell and it, at shares of
+    each part and of the way there.
+    """
+    found = -1
     for k in range(len(parts)):
-        for i in range(count):
-            t = parts[k, 9] + shares[i] * (parts[k, 10] - parts[k, 9])
-            x[k * count + i], y[k * count + i] = _on(parts[k], t)
-    return x, y
-
-
-@inner
-def _within(x: float, y: float, parts: Array) -> bool:
-    """Whether a place lies on the inner side of all parts of a loop."""
+        told = False
+        for share in edge:
+            x, y = place_on(parts[k], parts[k, 9] + share * (parts[k, 10] - parts[k, 9]))
+            here = _surely(x, y, roofs, rows, pieces)
+            if here < 0:
+                continue
+            if found >= 0 and here != found:
+                return -1
+            found, told = here, True
+        if not told:
+            return -1
+    mx, my = middle(parts)
     for k in range(len(parts)):
-        forward = parts[k, 10] > parts[k, 9]
-        if parts[k, 6] == 0.0:
-            dx, dy = parts[k, 2] - parts[k, 0], parts[k, 3] - parts[k, 1]
-            if (dx * (y - parts[k, 1]) - dy * (x - parts[k, 0]) > 0.0) != forward:
-                return False
-        else:
-            dx, dy = x - parts[k, 4], y - parts[k, 5]
-            if (dx * dx + dy * dy < parts[k, 6] * parts[k, 6]) != ((parts[k, 8] > 0.0) == forward):
-                return False
-    return True
-
-
-@compiled
-def within(parts: Array, x: Array, y: Array) -> NDArray[np.bool_]:
-    """Whether places (n,) lie on the inner side of all parts of a loop."""
-    out = np.empty(len(x), np.bool_)
-    for i in range(len(x)):
-        out[i] = _within(x[i], y[i], parts)
-    return out
-
-
-@compiled
-def middle(parts: Array) -> tuple[float, float]:
-    """A place well within a loop: the middle or, where an arc bends into it, that of a chord far from the boundary."""
-    mx = my = 0.0
-    bulges = False
-    for k in range(len(parts)):
-        bulges |= parts[k, 6] != 0.0 and parts[k, 8] * (parts[k, 10] - parts[k, 9]) < 0.0
-        for share in (0.0, 0.5):
-            x, y = _on(parts[k], parts[k, 9] + share * (parts[k, 10] - parts[k, 9]))
-            mx, my = mx + x / (2 * len(parts)), my + y / (2 * len(parts))
-    if not bulges:
-        return mx, my
-    xs, ys = outline(parts, np.arange(8) / 8)
-    n = len(xs)
-    found, most = (mx, my), -1.0
-    for chord in range(-1, 3 * n):
-        k, j = chord // 3, (n // 2, n // 3, n // 4)[chord % 3]
-        x, y = (mx, my) if chord < 0 else ((xs[k] + xs[(k + j) % n]) / 2, (ys[k] + ys[(k + j) % n]) / 2)
-        if _within(x, y, parts):
-            room = ((xs - x) ** 2 + (ys - y) ** 2).min()
-            if room > most:
-                found, most = (x, y), room
+        for share in inside[0]:
+            ex, ey = place_on(parts[k], parts[k, 9] + share * (parts[k, 10] - parts[k, 9]))
+            for ray in inside[1]:
+                x, y = mx + ray * (ex - mx), my + ray * (ey - my)
+                if is_within(x, y, parts):
+                    here = _surely(x, y, roofs, rows, pieces)
+                    if here >= 0 and here != found:
+                        return -1
     return found
 
 
@@ -172,7 +153,7 @@ def between(way: Array, start: float, end: float, shares: Array, upper: Array, a
     """How much higher (n,) roof a of one table is than roof b of another, at shares of a part of a way."""
     out = np.empty(len(shares))
     for i in range(len(shares)):
-        x, y = _on(way, start + shares[i] * (end - start))
+        x, y = place_on(way, start + shares[i] * (end - start))
         out[i] = height_at(x, y, upper, a) - height_at(x, y, lower, b)
     return out
 
@@ -182,16 +163,16 @@ def change(
     way: Array, start: float, end: float, roofs: Array, rows: NDArray[np.int64], pieces: NDArray[np.int64]
 ) -> tuple[float, int]:
     """Where on a way what shows at `start` first gives way to another, by halving; and what that is."""
-    x, y = _on(way, start)
+    x, y = place_on(way, start)
     first = shown_at(x, y, roofs, rows, pieces)
-    x, y = _on(way, end)
+    x, y = place_on(way, end)
     after = shown_at(x, y, roofs, rows, pieces)
     low, high = start, end
     for _ in range(HALVINGS):
         middle = (low + high) / 2
         if middle in (low, high):
             break
-        x, y = _on(way, middle)
+        x, y = place_on(way, middle)
         here = shown_at(x, y, roofs, rows, pieces)
         if here == first:
             low = middle
@@ -232,39 +213,6 @@ def _between(
     return here
 
 
-@inner
-def _reach(x: float, y: float, dx: float, dy: float, parts: Array) -> tuple[float, float]:
-    """How far the boundary of a loop lies behind and ahead of a place along a unit vector; 0 where there is none."""
-    low, high = -inf, inf
-    for k in range(len(parts)):
-        way, start, end = parts[k], parts[k, 9], parts[k, 10]
-        if way[6] == 0.0:
-            (ax, ay), (bx, by) = _on(way, start), _on(way, end)
-            before, after = (ay - y) * dx - (ax - x) * dy, (by - y) * dx - (bx - x) * dy
-            if before == after or min(before, after) > 0.0 or max(before, after) < 0.0:
-                continue
-            share = before / (before - after)
-            first = last = (ax + share * (bx - ax) - x) * dx + (ay + share * (by - ay) - y) * dy
-        else:
-            px, py = x - way[4], y - way[5]
-            middle = dx * px + dy * py
-            square = middle * middle - px * px - py * py + way[6] * way[6]
-            if square < 0.0:
-                continue
-            first, last = -middle - sqrt(square), -middle + sqrt(square)
-        for s in (first, last):
-            if way[6] != 0.0:
-                angle = np.arctan2(y + s * dy - way[5], x + s * dx - way[4]) - way[7] - (start + end) / 2 * way[8]
-                off = (angle + np.pi) % (2 * np.pi) - np.pi
-                if abs(off) > abs((end - start) / 2 * way[8]) + CORNER:
-                    continue
-            if s <= 0.0:
-                low = max(low, s)
-            if s >= 0.0:
-                high = min(high, s)
-    return (0.0 if low == -inf else low), (0.0 if high == inf else high)
-
-
 @compiled
 def trace(start: Array, end: Array, share: Array, parts: Array, roofs: Array, a: int, b: int) -> Array:
     """Points (n, 3) at which roofs a and b are as high, beside the chord from start to end.
@@ -279,7 +227,7 @@ def trace(start: Array, end: Array, share: Array, parts: Array, roofs: Array, a:
     for i in range(len(share)):
         px, py = start[0] + share[i] * size * x, start[1] + share[i] * size * y
         if 0.0 < share[i] < 1.0:
-            low, high = _reach(px, py, -y, x, parts)
+            low, high = reach(px, py, -y, x, parts)
             s = _between((px, py), (-y, x), low, high, roofs, a, b)
             px, py = px - y * s, py + x * s
         elif share[i] == 1.0:

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from families.declaration.plan import Vector
-from families.solid.heights import middle, outline, within
+from families.declaration.plan_sides import Vector
+from families.solid.cell_loops import middle, outline, within
 
 Array = NDArray[np.float64]
 SAME_PLACE = 1e-6  # [m], places nearer than that are one
@@ -38,11 +38,14 @@ class Cut:
         sign = -1 if not self.radius and (a < -SAME_PLACE or (abs(a) <= SAME_PLACE and b < 0)) else 1
         return tuple(round(value / SAME_PLACE) for value in (sign * a, sign * b, sign * self.offset, self.radius))
 
-    def side(self, x: float, y: float) -> float:
-        """Signed distance [m] of a place; 0 where it lies on the cut."""
-        a, b = self.normal
-        found = hypot(x - a, y - b) - self.radius if self.radius else a * x + b * y - self.offset
-        return 0.0 if abs(found) < SAME_PLACE else found
+    def sides(self, places: Iterable[Vector]) -> list[float]:
+        """Signed distances [m] of places; 0 where they lie on the cut."""
+        (a, b), offset, radius = self.normal, self.offset, self.radius
+        if radius:
+            found = [hypot(x - a, y - b) - radius for x, y in places]
+        else:
+            found = [a * x + b * y - offset for x, y in places]
+        return [0.0 if -SAME_PLACE < side < SAME_PLACE else side for side in found]
 
 
 @dataclass(frozen=True)
@@ -89,6 +92,15 @@ class Way:
             return a + t * (c - a), b + t * (d - b)
         angle, radius = self.angle + t * self.sweep, self.radius
         return self.centre[0] + radius * np.cos(angle), self.centre[1] + radius * np.sin(angle)
+
+    def right(self, x: float, y: float) -> Vector:
+        """Unit vector to its right at a place on it."""
+        if self.centre is None:
+            dx, dy = self.end[0] - self.start[0], self.end[1] - self.start[1]
+            size = hypot(dx, dy)
+            return dy / size, -dx / size
+        turn = 1 if self.sweep > 0 else -1
+        return turn * (x - self.centre[0]) / self.radius, turn * (y - self.centre[1]) / self.radius
 
     def crossing(self, cut: Cut, low: float, high: float) -> float:
         """Parameter between two, on either side of a cut, where the way crosses it."""
@@ -169,7 +181,7 @@ class Ground:
 
     def meets(self, circle: Cut) -> bool:
         """Whether a circle may leave a cell: one of them reaches beyond it, and one comes within."""
-        sides = [circle.side(x, y) for cell in self.cells for x, y in cell.corners]
+        sides = circle.sides(place for cell in self.cells for place in cell.corners)
         return max(sides) > 0 and (min(sides) < 0 or any(self._foot(w, circle) is not None for w in self._lines()))
 
     def feet(self, centre: Vector) -> list[Cut]:
@@ -198,7 +210,7 @@ class Ground:
 
     def parted(self, cell: Cell, cut: Cut) -> list[Cell]:
         """A cell, or the two in which a cut parts it."""
-        sides = [cut.side(x, y) for x, y in cell.corners]
+        sides = cut.sides(cell.corners)
         if not (min(sides) < 0 < max(sides)):
             return [cell]
         loop: list[tuple[Part, float]] = []  # parts, each with the side of its start

@@ -70,7 +70,11 @@ def _body(vault: Vault, rib: RibPlan) -> TopoDS_Shape:
     if above > -CLEAR:
         deeper = f"{rib.name} does not stand out under the webs everywhere; ribs must be deeper or less wide"
         raise _VanishingError(f"{deeper}, or leave the {rib.kind}s out")
-    return body(Void(vault.pieces(), rib.plan), Void((Piece((rib.soffit,)),), rib.plan))
+    try:
+        return body(Void(vault.pieces(), rib.plan), Void((Piece((rib.soffit,)),), rib.plan))
+    except ValueError as error:
+        found = f"no exact body of {rib.name} can be built under this vault"
+        raise ValueError(f"{found}; leave the {rib.kind}s out, or give ribs of another section") from error
 
 
 def _above(vault: Vault, rib: RibPlan) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.pieces import BarrelPart
-from families.declaration.plan import Vector
+from families.declaration.plan_sides import Vector
 from families.declaration.units import MM
 from families.solid.barrel_surfaces import BarrelSide, Drawn, Moved
 from families.solid.boundary import Step

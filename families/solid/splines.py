@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from families.void.kernel import compiled, inner
+from families.void.compiled import compiled, inner
 
 Array = NDArray[np.float64]
 DEGREE = 5

@@ -17,7 +17,7 @@ from OCP.Geom import Geom_Plane, Geom_Surface
 from OCP.Geom2d import Geom2d_Curve
 from OCP.gp import gp_Ax3, gp_Dir, gp_Pnt
 
-from families.declaration.plan import Vector
+from families.declaration.plan_sides import Vector
 from families.solid.curves import Path, Point, drawn
 
 Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from OCP.Geom import Geom_CylindricalSurface, Geom_SphericalSurface, Geom_Surfac
 from OCP.Geom2d import Geom2d_Curve, Geom2d_Line
 from OCP.gp import gp_Ax1, gp_Ax3, gp_Dir, gp_Dir2d, gp_Pnt, gp_Pnt2d
 
-from families.declaration.plan import Vector
+from families.declaration.plan_sides import Vector
 from families.solid.curves import Conic, Path, Point, Straight
 from families.solid.surfaces import PARALLEL, Sheet
 

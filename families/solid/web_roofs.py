@@ -22,7 +22,7 @@ from OCP.TColStd import TColStd_Array2OfReal
 from scipy.optimize import brentq
 
 from families.declaration.pieces import Piece, Web
-from families.declaration.plan import Vector
+from families.declaration.plan_sides import Vector
 from families.declaration.units import MM
 from families.solid import arches
 from families.solid.arches import HalfArch, arch_parameters, half_arches
@@ -34,7 +34,7 @@ from families.solid.plan_cells import SAME_PLACE, Cut, Way
 from families.solid.roofs import NOTHING, Roof
 from families.solid.splines import DEGREE, interpolated
 from families.solid.surfaces import UP, Sheet
-from families.void import kernel
+from families.void import body_table, webs
 from families.void.profile_outline import Bow, half_outline
 
 Array = NDArray[np.float64]
@@ -55,18 +55,18 @@ class WebFrame:
     @cached_property
     def packed(self) -> Array:
         """The row of the numeric surface (1, n)."""
-        return kernel.pack((Piece((self.part,)),), self.part.names)
+        return body_table.pack((Piece((self.part,)),), self.part.names)
 
     @cached_property
     def size(self) -> tuple[float, float, float]:
         """Distance of the wall, place of its middle along it, half its length [m]."""
         row = self.packed[0]
-        return float(row[kernel.DEPTH]), float(row[kernel.MIDDLE]), float(row[kernel.HALF])
+        return float(row[body_table.DEPTH]), float(row[body_table.MIDDLE]), float(row[body_table.HALF])
 
     @cached_property
     def tangent(self) -> Vector:
         """Unit vector along the wall; the way out of the centre is to its right."""
-        return float(self.packed[0, kernel.ACROSS_X]), float(self.packed[0, kernel.ACROSS_Y])
+        return float(self.packed[0, body_table.ACROSS_X]), float(self.packed[0, body_table.ACROSS_Y])
 
     @cached_property
     def bows(self) -> tuple[Bow, ...]:
@@ -77,7 +77,7 @@ class WebFrame:
         """Rise by half the span (n,) of the arches at shares of the way; at the centre, where both are 0, the limit."""
 
         def ratio(at: Array) -> Array:
-            rises: Array = kernel.web_arch_rises(at, self.packed)
+            rises: Array = webs.web_arch_rises(at, self.packed)
             return rises / (at * self.size[2])
 
         far = ratio(np.maximum(v, BESIDE_CENTRE))
@@ -97,13 +97,13 @@ class WebFrame:
         """Shares of the way between which its arches are of one kind on one arc of the diagonals."""
         half, reach = self.size[2], self.part.reach
         bare = self.packed.copy()
-        bare[0, kernel.HALF] = 0.0  # whose arches are nothing where the ridge is no higher than the diagonals
+        bare[0, body_table.HALF] = 0.0  # whose arches are nothing where the ridge is no higher than the diagonals
         found = {bow.at(bow.end)[0] / reach for bow in self.bows}
         places = np.linspace(0, 1, LOOKS + 1)[1:]
-        for limit in (1.0, kernel.FLAT):  # steep, and level
+        for limit in (1.0, webs.FLAT):  # steep, and level
 
             def miss(v: float, limit: float = limit) -> float:
-                return float(kernel.web_arch_rises(np.array([v]), bare)[0]) - limit * v * half
+                return float(webs.web_arch_rises(np.array([v]), bare)[0]) - limit * v * half
 
             values = np.array([miss(v) for v in places.tolist()])
             values[np.abs(values) < STRAIGHT] = 0.0

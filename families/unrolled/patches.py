@@ -17,24 +17,11 @@ from numpy.typing import NDArray
 from families.declaration.pieces import Ball, BarrelPart, Ceiling, Part, Piece, Turned, Web
 from families.declaration.plan import Plan
 from families.declaration.profiles import Pointed
-from families.void.kernel import (
-    ACROSS_X,
-    ACROSS_Y,
-    BENT,
-    DEPTH,
-    FLAT,
-    HALF,
-    KIND,
-    MIDDLE,
-    NO_WALLS,
-    WEB,
-    pack,
-    surface,
-    web_arch_rises,
-    web_heights,
-)
+from families.void.body_table import ACROSS_X, ACROSS_Y, BENT, DEPTH, HALF, KIND, MIDDLE, NO_WALLS, WEB, pack
+from families.void.kernel import surface
 from families.void.profile_outline import Bow, Wall
 from families.void.sampling_strips import DrawnStrip, RevolvedStrip, strips
+from families.void.webs import FLAT, web_arch_rises, web_heights
 
 Array = NDArray[np.float64]
 Box = tuple[float, float, float, float]  # the least and the largest a, the least and the largest b

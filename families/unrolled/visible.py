@@ -15,7 +15,7 @@ from families.declaration.pieces import Ball, BarrelPart, Part, Turned
 from families.declaration.plan import NOTCH, SHAPE, Plan
 from families.declaration.vault import Vault
 from families.unrolled.patches import Array, Box, Patch, patch
-from families.void import kernel
+from families.void import body_table, kernel
 
 if TYPE_CHECKING:
     from shapely import Geometry
@@ -40,8 +40,8 @@ class Region:
 def regions(vault: Vault) -> Iterator[Region]:
     """All that shows of a vault."""
     pieces, plan = vault.pieces(), vault.plan
-    table = kernel.pack(pieces, vault.components)
-    table[:, kernel.SIDE] = np.where(table[:, kernel.KIND] <= kernel.BENT, 0.0, table[:, kernel.SIDE])
+    table = body_table.pack(pieces, vault.components)
+    table[:, body_table.SIDE] = np.where(table[:, body_table.KIND] <= body_table.BENT, 0.0, table[:, body_table.SIDE])
     bodies = [(piece.foot, part) for piece in pieces for part in piece.parts]
     for row, (foot, part) in enumerate(bodies):
         found = patch(part, plan, 0.0 if isinstance(part, BarrelPart) else foot or 0.0)
@@ -86,7 +86,7 @@ class _Net:
         self.a, self.b = np.linspace(a0, a1, STEPS), np.linspace(b0, b1, STEPS)
         a, b = (grid.ravel() for grid in np.meshgrid(self.a, self.b, indexing="ij"))
         self.xyz = np.ascontiguousarray(found.place(a, b))
-        self.parts, self.table, self.plan = parts, table, kernel.pack_plan(plan)
+        self.parts, self.table, self.plan = parts, table, body_table.pack_plan(plan)
 
     def shown(self, row: int, box: Box, foot: float | None) -> Geometry:
         """Where the body in a row of the table shows, within a box of coordinates."""
@@ -122,12 +122,12 @@ class _Net:
                 yield [away, *free]
         if notch:
             yield [*notch, *free]
-        piece = self.table[row, kernel.PIECE]
-        for k in np.flatnonzero(self.table[:, kernel.PIECE] == piece).tolist():
+        piece = self.table[row, body_table.PIECE]
+        for k in np.flatnonzero(self.table[:, body_table.PIECE] == piece).tolist():
             if k != row:
                 yield [self._distance(k), *self._silence(k)]
-        for other in np.unique(self.table[self.table[:, kernel.PIECE] != piece, kernel.PIECE]):
-            rows = np.flatnonzero(self.table[:, kernel.PIECE] == other).tolist()
+        for other in np.unique(self.table[self.table[:, body_table.PIECE] != piece, body_table.PIECE]):
+            rows = np.flatnonzero(self.table[:, body_table.PIECE] == other).tolist()
             yield [-self._distance(k) for k in rows]
 
     def _distance(self, row: int) -> Array:

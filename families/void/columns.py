@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.vault import IDENTITY, Vault
-from families.void import kernel
+from families.void import body_table, kernel
 
 Array = NDArray[np.float64]
 HALVINGS = 40  # of the height, in which a surface is looked for
@@ -17,10 +17,10 @@ def heights(vault: Vault, xy: Array, thickness: float = 0.0) -> Array:
 
     By halving from the springing up.
     """
-    table = kernel.pack(tuple(piece.grown(thickness) for piece in vault.pieces()), vault.components)
+    table = body_table.pack(tuple(piece.grown(thickness) for piece in vault.pieces()), vault.components)
 
     def beyond(z: Array) -> NDArray[np.bool_]:
-        found: Array = kernel.distances(np.column_stack([xy, z]), IDENTITY, table, kernel.NO_WALLS)
+        found: Array = kernel.distances(np.column_stack([xy, z]), IDENTITY, table, body_table.NO_WALLS)
         return found >= 0
 
     low, high = np.zeros(len(xy)), np.full(len(xy), vault.top + 2 * thickness + 1.0)

@@ -8,358 +8,59 @@ Positive is in the stone, negative in the room.
 
 from __future__ import annotations
 
-from math import hypot, inf, sqrt
+from math import inf, sqrt
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Piece, Turned, Web
-from families.declaration.plan import BOX, CENTRE_X, CENTRE_Y, NOTCH, OTHER, REACH, SHAPE, WITHIN, Plan
-from families.declaration.profiles import UNSTILTED, BasketHandle, Curve, Elliptical, Pointed
+from families.declaration.plan import BOX, CENTRE_X, CENTRE_Y, NOTCH, OTHER, REACH, SHAPE, WITHIN
+from families.void.body_table import (
+    ACROSS_X,
+    ACROSS_Y,
+    ASIDE,
+    BALL,
+    BARREL,
+    BASE,
+    BELOW,
+    BENT,
+    FOOT,
+    HEIGHT,
+    KIND,
+    LID,
+    NAME,
+    NAMING,
+    ONE,
+    PIECE,
+    QUARTER,
+    R1,
+    RADIUS,
+    SIDE,
+    SLOPE,
+    TURNED,
+    WEB,
+    X,
+    Y,
+)
+from families.void.compiled import apart, compiled, inner
+from families.void.profile_distance import to_ball, to_bent, to_profile
+from families.void.webs import to_web
 
 Array = NDArray[np.float64]
-
-# Columns of the packed table, one row a body.
-PIECE, KIND, X, Y, ACROSS_X, ACROSS_Y, BASE, SIDE, CROWN_RISE, HALF_LENGTH, SLOPE, SPLAY, FLARE, RADIUS = range(14)
-HALF_SPAN, RISE, STILT, ARCS, U1, Z1, R1, U2, Z2, R2 = range(14, 24)
-NAME, NAMING = 24, 28  # four names from 24 on; NAMING says how the name is chosen
-FOOT = 29  # height from which on the piece is free of the plan, -inf if it never is
-WIDTH = 30
-
-# Those of a web, in places that it has no other use for: kind of its arch, haunch ratio of that, bow of the ridge,
-# distance of the wall, middle of that along it, half its length, reach and rise.
-ARCH, BOW, DEPTH, MIDDLE, HALF, FAR, CROWN, HAUNCH = (
-    SIDE,
-    CROWN_RISE,
-    HALF_LENGTH,
-    SLOPE,
-    SPLAY,
-    FLARE,
-    RADIUS,
-    NAME + 1,
-)
-
-# BENT: a barrel that is not level or not even; ASIDE, RING: a ball or turned profile that is not about the origin.
-BARREL, BENT, BALL, TURNED, CEILING, LID, ASIDE, RING, WEB = range(9)
-ALONG, QUARTER, HEIGHT, ONE = range(4)  # NAMING: by the sign along the axis, the corner of the plan, the height, or one
-KINDS = UNSTILTED  # ARCH: the place in this row
-POINTED, BASKET, ELLIPTICAL = map(KINDS.index, (Pointed, BasketHandle, Elliptical))
-BELOW = 2  # which of a barrel's names is that of its walls; 0 if they have none of their own
 SAME = 1e-9  # [m] within which two walls are one
-FLAT = 1e-6  # rise / half span of an arch that is level
-STEP = 1e-5  # of differences on the way to a wall, as a share of it
-CENTRE = 1e-9  # share of the way to its wall below which a web is one point
-APEX = 1e-6  # share of its size at its origin that is left of a tapered barrel beyond its apex
-
-NO_WALLS = np.empty((0, 5))
-
-
-def pack(pieces: tuple[Piece, ...], components: tuple[str, ...]) -> Array:
-    """Table (bodies, WIDTH) of a void for the kernels below; component ids are 1 + index in `components`."""
-    ids = {name: float(i + 1) for i, name in enumerate(components)}
-    table = np.array([_row(k, part, ids) for k, piece in enumerate(pieces) for part in piece.parts])
-    if any(piece.foot is not None for piece in pieces):
-        table[:, FOOT] = [-inf if piece.foot is None else piece.foot for piece in pieces for _ in piece.parts]
-    return table
-
-
-def pack_plan(plan: Plan | None) -> Array:
-    """Table (sides, 5) of the walls on a plan (`families.declaration.plan`), of no side if there are none."""
-    return NO_WALLS if plan is None else plan.table
-
-
-def _row(piece: int, part: Part, ids: dict[str, float]) -> list[float]:
-    row = [0.0] * WIDTH
-    row[PIECE], row[FOOT] = piece, -inf
-    match part:
-        case BarrelPart():
-            bent = part.crown_rise or part.slope or part.splay or part.flare
-            row[KIND], row[NAMING] = BENT if bent else BARREL, ALONG
-            row[X:BASE] = *part.origin, *part.across
-            row[BASE], row[SIDE], row[SLOPE], row[SPLAY] = part.base, part.side, part.slope, part.splay
-            row[FLARE], row[CROWN_RISE], row[HALF_LENGTH] = part.flare, part.crown_rise, part.half_length
-            row[HALF_SPAN:NAME] = _curve(part.curve)
-            row[NAME : NAME + BELOW] = [ids[n] for n in part.names]
-            row[NAME + BELOW] = ids[part.below] if part.below else 0.0
-            return row
-        case Ball():
-            row[KIND], row[NAMING], row[BASE], row[R1] = BALL, QUARTER, part.z, part.radius
-            row[X], row[Y] = part.centre
-            if any(part.centre):
-                row[KIND] = ASIDE
-        case Turned():
-            row[KIND], row[NAMING], row[BASE], row[RADIUS] = TURNED, HEIGHT, part.base, part.radius
-            row[X], row[Y] = part.centre
-            if part.radius or any(part.centre):
-                row[KIND] = RING
-            row[HALF_SPAN:NAME] = _curve(part.curve)
-        case Web():
-            (x, y), (x0, y0), (x1, y1) = part.centre, part.start, part.end
-            size = hypot(x1 - x0, y1 - y0)
-            tx, ty = (x1 - x0) / size, (y1 - y0) / size
-            row[KIND], row[NAMING], row[NAME], row[X], row[Y] = WEB, ONE, ids[part.names[0]], x, y
-            row[ACROSS_X], row[ACROSS_Y], row[HALF] = tx, ty, size / 2
-            row[DEPTH] = (x0 - x) * ty - (y0 - y) * tx
-            row[MIDDLE] = ((x0 + x1) / 2 - x) * tx + ((y0 + y1) / 2 - y) * ty
-            row[ARCH], row[HAUNCH] = KINDS.index(type(part.arch)), getattr(part.arch, "haunch_ratio", 0.0)
-            row[BOW], row[FAR], row[CROWN] = -1.0 if part.bow is None else part.bow, part.reach, part.rise
-            row[HALF_SPAN:NAME] = _curve(part.diagonal)
-            return row
-        case Ceiling():
-            row[KIND], row[BASE] = CEILING, part.z
-        case Lid():
-            row[KIND], row[BASE] = LID, part.z
-            return row
-    names = part.names * (4 // len(part.names))
-    row[NAME : NAME + 4] = [ids[n] for n in names]
-    return row
-
-
-def _curve(curve: Curve) -> list[float]:
-    arcs = [value for a in curve.arcs for value in (a.u, a.z, a.radius)]
-    return [curve.half_span, curve.rise, curve.stilt, float(len(curve.arcs)), *arcs, *[0.0] * (6 - len(arcs))]
-
-
-# Serial, as an optimiser calls it thousands of times on a few thousand points; threads may share a large cloud.
-compiled = njit(cache=True, nogil=True, error_model="numpy")
-# What only reads its arrays needs no count of references to them: without one it is ten times as fast (numba #1204).
-inner = njit(cache=True, nogil=True, error_model="numpy", forceinline=True, _nrt=False)
-apart = njit(cache=True, nogil=True, error_model="numpy", _nrt=False)  # what is rare, and would make the rest slower
-
-
-@inner
-def _ellipse(u: float, z: float, a: float, b: float) -> tuple[float, float, float]:
-    """Signed distance of (u, z), both >= 0, to the ellipse of half axes a, b, and its normal.
-
-    Newton from the left on the convex function of Eberly, "Distance from a point to an ellipse" (2013). A step from
-    zero ends left of its root too, and close to it where the point is close to the ellipse.
-    """
-    u, z = max(u, 1e-12 * a), max(z, 1e-12 * b)  # on an axis the first step would divide by zero
-    ru, rz = u / a, z / b
-    first = 0.5 * (ru * ru + rz * rz - 1.0) / (ru * ru / (a * a) + rz * rz / (b * b))
-    t = max(-a * a + a * u, -b * b + b * z, first)
-    for _ in range(60):
-        ru, rz = a * u / (t + a * a), b * z / (t + b * b)
-        f = ru * ru + rz * rz - 1.0
-        slope = -2.0 * (ru * ru / (t + a * a) + rz * rz / (t + b * b))
-        if f < 1e-15 or slope == 0.0:
-            break
-        t -= f / slope
-    eu, ez = a * a * u / (t + a * a), b * b * z / (t + b * b)
-    nu, nz = eu / (a * a), ez / (b * b)
-    size = sqrt(nu * nu + nz * nz)
-    nu, nz = nu / size, nz / size
-    return (u - eu) * nu + (z - ez) * nz, nu, nz
-
-
-@inner
-def _profile(u: float, z: float, parts: Array, k: int) -> tuple[float, float, float]:
-    """Signed distance of (u, z), u >= 0, to a curve with a wall below its springing; normal (nu, nz)."""
-    wall = u - parts[k, HALF_SPAN]
-    if parts[k, ARCS] == 0.0:
-        if z <= 0.0 or (u < 1e-9 and z < 1e-9):
-            return wall, 1.0, 0.0
-        return _ellipse(u, z, parts[k, HALF_SPAN], parts[k, RISE])  # type: ignore[no-any-return]  # numba is untyped
-    cu, cz, r = parts[k, U1], parts[k, Z1], parts[k, R1]
-    if (
-        parts[k, ARCS] == 2.0
-        and (cu - parts[k, U2]) * (z - parts[k, Z2]) - (cz - parts[k, Z2]) * (u - parts[k, U2]) > 0.0
-    ):
-        cu, cz, r = parts[k, U2], parts[k, Z2], parts[k, R2]
-    if z <= cz:
-        return wall, 1.0, 0.0
-    du, dz = u - cu, z - cz
-    size = sqrt(du * du + dz * dz)
-    arc = size - r
-    # A wall may be nearer only below the springing or where the arc leaves it at an angle.
-    if arc < wall:
-        return wall, 1.0, 0.0
-    return arc, du / size, dz / size
-
-
-@apart
-def _bent(u: float, along: float, z: float, parts: Array, k: int) -> tuple[float, float, float, float]:
-    """Signed distance and normal (across, up, along) of a place beside a barrel that is not level or not even.
-
-    Where its arch, as large as it is there, has its nearest point stands for the place itself in the slopes along the
-    axis: exact at the surface, and as large as it should be up to the apex.
-    """
-    # The axis is a parabola: with straight slopes the lower of two crossing barrels would come out at the middle.
-    way = along / parts[k, HALF_LENGTH]
-    climb = parts[k, SLOPE] - 2.0 * parts[k, CROWN_RISE] * way / parts[k, HALF_LENGTH]
-    h = z - parts[k, BASE] - (parts[k, SLOPE] * along + parts[k, CROWN_RISE] * (1.0 - way * way))
-    span, size = max(1.0 + parts[k, SPLAY] * along, APEX), max(1.0 + parts[k, FLARE] * along, APEX)
-    d, nu, nz = _profile(u / span, h / size, parts, k)
-    foot_u, foot_h = u / span - d * nu, h / size - d * nz
-    nu, nz = nu / span, nz / size
-    na = -nu * foot_u * parts[k, SPLAY] - nz * (climb + foot_h * parts[k, FLARE])
-    steep = sqrt(nu * nu + nz * nz + na * na)
-    return d / steep, nu / steep, nz / steep, na / steep
-
-
-@inner
-def _ball(x: float, y: float, h: float, radius: float) -> tuple[float, float, float, float]:
-    """Signed distance and normal of a place from the centre of a ball, above a wall."""
-    if h < 0.0:
-        size = sqrt(x * x + y * y)
-        return size - radius, x / max(size, 1e-300), y / max(size, 1e-300), 0.0
-    size = max(sqrt(x * x + y * y + h * h), 1e-300)
-    return size - radius, x / size, y / size, h / size
-
-
-@inner
-def _arch(u: float, span: float, rise: float, kind: float, haunch: float) -> tuple[float, float, float]:
-    """Centre and radius of the arc over u of an arch as `Profile.arch` has it; no radius: an ellipse."""
-    steep = rise > span * (1.0 + SAME)
-    if kind == ELLIPTICAL or (steep and (kind < POINTED or kind == BASKET)):
-        return 0.0, 0.0, 0.0
-    if kind == BASKET:
-        small = haunch * rise
-        large = (span * span + rise * rise - 2.0 * span * small) / (2.0 * (rise - small))
-        if u * (large - small) > (span - small) * large:
-            return span - small, 0.0, small
-        return 0.0, rise - large, large
-    if not steep:
-        radius = (span * span + rise * rise) / (2.0 * rise)
-        return 0.0, rise - radius, radius
-    radius = (span * span + rise * rise) / (2.0 * span)
-    return span - radius, 0.0, radius
-
-
-@inner
-def _chord(v: float, parts: Array, k: int) -> tuple[float, float]:
-    """Height of the diagonals at a share of the way to the wall, and of the arch that stands on them."""
-    u, span, rise = min(v * parts[k, FAR], parts[k, HALF_SPAN]), parts[k, HALF_SPAN], parts[k, RISE]
-    low = rise * sqrt(max(1.0 - (u / span) ** 2, 0.0))
-    if parts[k, ARCS] > 0.0:
-        cu, cz, r = parts[k, U1], parts[k, Z1], parts[k, R1]
-        if parts[k, ARCS] == 2.0:  # the haunch as far as to where it passes into the crown
-            du, dz = cu - parts[k, U2], cz - parts[k, Z2]
-            if u < parts[k, U2] + parts[k, R2] * du / sqrt(du * du + dz * dz):
-                cu, cz, r = parts[k, U2], parts[k, Z2], parts[k, R2]
-        low = cz + sqrt(max(r * r - (u - cu) ** 2, 0.0))
-    if parts[k, BOW] < 0.0:
-        return low, v * parts[k, CROWN]
-    ridge = parts[k, CROWN] + (rise - parts[k, CROWN]) * (1.0 - v) * (1.0 + parts[k, BOW] * v)
-    return low, max(ridge - low, FLAT * v * parts[k, HALF])
-
-
-@inner
-def _section(along: float, across: float, z: float, parts: Array, k: int) -> tuple[float, float, float]:
-    """Signed distance of a place in the plane across a web to its arch there, and its normal (across, up)."""
-    v = max(along / parts[k, DEPTH], CENTRE)
-    low, rise = _chord(v, parts, k)
-    span, u, h = v * parts[k, HALF], across - v * parts[k, MIDDLE], z - low
-    sign = 1.0 if u >= 0.0 else -1.0
-    u = abs(u)
-    cu, cz, r = _arch(u, span, rise, parts[k, ARCH], parts[k, HAUNCH])
-    foot_u, foot_h = span, 0.0  # where there is no nearer point of the arch, its springing on the rib is the nearest
-    if r == 0.0:
-        d, nu, nz = _ellipse(u, max(h, 0.0), span, rise)
-        if h > 0.0:
-            return d, nu * sign, nz
-        foot_u, foot_h = u - d * nu, -d * nz
-    else:
-        if parts[k, ARCH] == BASKET:  # the arc is that of the nearest point, not of the one above
-            small, large = (
-                _arch(span, span, rise, BASKET, parts[k, HAUNCH]),
-                _arch(0.0, span, rise, BASKET, parts[k, HAUNCH]),
-            )
-            beyond = (small[0] - large[0]) * (h - large[1]) - (small[1] - large[1]) * (u - large[0]) > 0.0
-            cu, cz, r = large if beyond else small
-        du, dz = u - cu, h - cz
-        size = max(sqrt(du * du + dz * dz), 1e-300)
-        if cz + r * dz / size >= 0.0:
-            return size - r, sign * du / size, dz / size
-    du, dz = foot_u - u, foot_h - h
-    size = max(sqrt(du * du + dz * dz), 1e-300)
-    return -size, sign * du / size, dz / size
-
-
-@inner
-def _lean(along: float, across: float, z: float, nu: float, nz: float, parts: Array, k: int) -> float:
-    """How much the distance to a web grows for each metre towards its wall, at a place on it with its normal there."""
-    step = STEP * parts[k, DEPTH]
-    v, grown, moved = along / parts[k, DEPTH], parts[k, HALF] / parts[k, DEPTH], parts[k, MIDDLE] / parts[k, DEPTH]
-    low, rise = _chord(v, parts, k)
-    span, u, h = v * parts[k, HALF], across - v * parts[k, MIDDLE], z - low
-    more_low, more_rise = _chord(v + STEP, parts, k)
-    less_low, less_rise = _chord(v - STEP, parts, k)
-    raised, higher = (more_low - less_low) / (2.0 * step), (more_rise - less_rise) / (2.0 * step)
-    if abs(abs(u) - span) + abs(h) < SAME:  # on a rib
-        moved += grown if u > 0.0 else -grown
-        return -nu * moved - nz * raised  # type: ignore[no-any-return]
-    u = abs(u)
-    if _arch(u, span, rise, parts[k, ARCH], parts[k, HAUNCH])[2] != 0.0:
-        more, less = _section(along + step, across, z, parts, k)[0], _section(along - step, across, z, parts, k)[0]
-        return (more - less) / (2.0 * step)  # type: ignore[no-any-return]
-    # An ellipse from its equation: differences of its distances, which are found by steps, would be rough.
-    gu, gh = u / (span * span), h / (rise * rise)
-    gone = -(u * gu * grown / span + h * gh * higher / rise) / max(sqrt(gu * gu + gh * gh), 1e-300)
-    return gone - nu * moved - nz * raised  # type: ignore[no-any-return]
-
-
-@apart
-def _web(x: float, y: float, z: float, parts: Array, k: int) -> tuple[float, float, float, float]:
-    """Signed distance and normal of a point to a web; -inf beyond its triangle."""
-    tx, ty = parts[k, ACROSS_X], parts[k, ACROSS_Y]
-    x, y = x - parts[k, X], y - parts[k, Y]
-    across, along = x * tx + y * ty, x * ty - y * tx
-    v = along / parts[k, DEPTH]
-    if abs(across - v * parts[k, MIDDLE]) > v * parts[k, HALF] + SAME:
-        return -inf, 0.0, 0.0, 1.0
-    if v < CENTRE:
-        return z - _chord(0.0, parts, k)[0], 0.0, 0.0, 1.0
-    d, nu, nz = _section(along, across, z, parts, k)
-    na = _lean(along, across - d * nu, z - d * nz, nu, nz, parts, k)
-    size = sqrt(1.0 + na * na)
-    return d / size, (nu * tx + na * ty) / size, (nu * ty - na * tx) / size, nz / size
-
-
-@inner
-def web_height(along: float, across: float, parts: Array, k: int) -> float:
-    """Height [m] of a web at a place from its centre to its wall and along that [m]."""
-    v = max(along / parts[k, DEPTH], CENTRE)
-    low, rise = _chord(v, parts, k)
-    span = v * parts[k, HALF]
-    u = min(abs(across - v * parts[k, MIDDLE]), span)
-    cu, cz, r = _arch(u, span, rise, parts[k, ARCH], parts[k, HAUNCH])
-    if r == 0.0:
-        return low + rise * sqrt(max(1.0 - (u / span) ** 2, 0.0))  # type: ignore[no-any-return]
-    return low + cz + sqrt(max(r * r - (u - cu) ** 2, 0.0))  # type: ignore[no-any-return]
-
-
-@compiled
-def web_heights(along: Array, across: Array, parts: Array) -> Array:
-    """Heights (n,) [m] of the one web in a table at places from its centre to its wall and along that (n,) [m]."""
-    out = np.empty(len(along))
-    for i in range(len(along)):
-        out[i] = web_height(along[i], across[i], parts, 0)
-    return out
-
-
-@compiled
-def web_arch_rises(v: Array, parts: Array) -> Array:
-    """Rises (n,) [m] of the arches of the one web in a table at shares (n,) of the way to its wall."""
-    out = np.empty(len(v))
-    for i in range(len(v)):
-        out[i] = _chord(v[i], parts, 0)[1]
-    return out
 
 
 @apart
 def _aside(x: float, y: float, z: float, parts: Array, k: int) -> tuple[float, float, float, float]:
     """The same of a web, and of a ball or what is turned about another axis than the origin's or as a ring."""
     if parts[k, KIND] == WEB:
-        return _web(x, y, z, parts, k)  # type: ignore[no-any-return]
+        return to_web(x, y, z, parts, k)  # type: ignore[no-any-return]
     x, y, h = x - parts[k, X], y - parts[k, Y], z - parts[k, BASE]
     if parts[k, KIND] == ASIDE:
-        return _ball(x, y, h, parts[k, R1])  # type: ignore[no-any-return]
+        return to_ball(x, y, h, parts[k, R1])  # type: ignore[no-any-return]
     rho = sqrt(x * x + y * y)
     sign = 1.0 if rho >= parts[k, RADIUS] else -1.0
-    d, nu, nz = _profile(abs(rho - parts[k, RADIUS]), h, parts, k)
+    d, nu, nz = to_profile(abs(rho - parts[k, RADIUS]), h, parts, k)
     if rho < 1e-12:
         return d, 0.0, 0.0, 1.0
     nu *= sign / rho
@@ -379,17 +80,17 @@ def _body(x: float, y: float, z: float, parts: Array, k: int) -> tuple[float, fl
         u = abs(u)
         cx, cy = parts[k, ACROSS_X], parts[k, ACROSS_Y]
         if kind == BARREL:
-            d, nu, nz = _profile(u, z - parts[k, BASE], parts, k)
+            d, nu, nz = to_profile(u, z - parts[k, BASE], parts, k)
             nu *= sign
             return d, nu * cx, nu * cy, nz
-        d, nu, nz, na = _bent(u, along, z, parts, k)
+        d, nu, nz, na = to_bent(u, along, z, parts, k)
         nu *= sign
         return d, nu * cx - na * cy, nu * cy + na * cx, nz
     if kind == BALL:
-        return _ball(x, y, z - parts[k, BASE], parts[k, R1])  # type: ignore[no-any-return]
+        return to_ball(x, y, z - parts[k, BASE], parts[k, R1])  # type: ignore[no-any-return]
     if kind == TURNED:
         rho = sqrt(x * x + y * y)
-        d, nu, nz = _profile(rho, z - parts[k, BASE], parts, k)
+        d, nu, nz = to_profile(rho, z - parts[k, BASE], parts, k)
         if rho < 1e-12:
             return d, 0.0, 0.0, 1.0
         return d, nu * x / rho, nu * y / rho, nz

@@ -13,21 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.pieces import Ball, BarrelPart, Ceiling, Lid, Part, Piece, Turned, Web
-from families.declaration.plan import Plan, Vector
+from families.declaration.plan import Plan
+from families.declaration.plan_sides import Vector
 from families.declaration.profiles import Arc, Curve
-from families.void.kernel import (
-    ACROSS_X,
-    ACROSS_Y,
-    APEX,
-    DEPTH,
-    HALF,
-    MIDDLE,
-    pack,
-    pack_plan,
-    surface,
-    web_heights,
-)
+from families.void.body_table import ACROSS_X, ACROSS_Y, DEPTH, HALF, MIDDLE, pack, pack_plan
+from families.void.kernel import surface
+from families.void.profile_distance import APEX
 from families.void.profile_outline import Bow, Wall, half_outline
+from families.void.webs import web_heights
 
 Array = NDArray[np.float64]
 TABLE_STEPS = 4096  # of the table that turns a share of a strip's area into a place on its line

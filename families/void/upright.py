@@ -11,7 +11,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.plan import Plan, Side, Vector
+from families.declaration.plan import Plan
+from families.declaration.plan_sides import Side, Vector
 from families.declaration.vault import Vault
 from families.void.columns import heights
 

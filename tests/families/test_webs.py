@@ -16,7 +16,7 @@ from families.kinds.umbrella import Umbrella
 from families.solid import brep
 from families.solid.arches import arch_parameters, half_arches
 from families.solid.occ.shapes import faces, inner_points, volume
-from families.void import kernel
+from families.void import body_table, webs
 from families.void.profile_outline import half_outline
 from families.void.sampling import sample
 from families.void.sampling_strips import strips
@@ -49,10 +49,10 @@ def test_arches_are_as_their_profiles_have_them(profile: Profile, rise: float) -
     # Over level diagonals that are nothing the arch at the wall is the profile's own.
     flat = Elliptical(0.1).arch(10.0, 1e-9)
     web = Web((1.0, 5.0), (-1.0, 5.0), flat, 10.0, profile, rise, ("web",))
-    table = kernel.pack((Piece((web,)),), ("web",))
+    table = body_table.pack((Piece((web,)),), ("web",))
     for bow in half_outline(profile.arch(1.0, rise), 0.0, 1.0, 0.0):
         u, z, _, _ = bow.trace(np.linspace(bow.start, bow.end, 40)[1:-1])
-        assert kernel.web_heights(np.full(38, 5.0), u, table) == pytest.approx(z, abs=1e-7)
+        assert webs.web_heights(np.full(38, 5.0), u, table) == pytest.approx(z, abs=1e-7)
 
 
 @EACH
@@ -120,9 +120,9 @@ def test_the_area_of_a_web_is_that_of_a_half_cylinder_s() -> None:
 
 def test_umbrella_vaults_are_as_high_as_their_ridges() -> None:
     for vault in (v for v in VAULTS if isinstance(v, Umbrella)):
-        (row,) = (kernel.pack((Piece((part,)),), vault.components) for part in vault.pieces()[0].parts[:1])
-        along = np.linspace(0, row[0, kernel.DEPTH], 4001)
-        assert vault.top == pytest.approx(kernel.web_heights(along, 0 * along, row).max(), abs=1e-6)
+        (row,) = (body_table.pack((Piece((part,)),), vault.components) for part in vault.pieces()[0].parts[:1])
+        along = np.linspace(0, row[0, body_table.DEPTH], 4001)
+        assert vault.top == pytest.approx(webs.web_heights(along, 0 * along, row).max(), abs=1e-6)
 
 
 def test_a_place_at_the_foot_of_a_level_arch_is_told_from_its_crown() -> None:
@@ -137,10 +137,10 @@ def integral(vault: Vault, n: int = 200) -> float:
     angle, weight = (at + 1) * pi / 4, weight * pi / 4
     total = 0.0
     for part in vault.pieces()[0].parts:
-        row = kernel.pack((Piece((part,)),), vault.components)
-        depth, middle, half = row[0, kernel.DEPTH], row[0, kernel.MIDDLE], row[0, kernel.HALF]
+        row = body_table.pack((Piece((part,)),), vault.components)
+        depth, middle, half = row[0, body_table.DEPTH], row[0, body_table.MIDDLE], row[0, body_table.HALF]
         v, u = (column.ravel() for column in np.meshgrid(np.sin(angle), -np.cos(2 * angle), indexing="ij"))
-        z = kernel.web_heights(v * depth, v * (middle + half * u), row).reshape(n, n)
+        z = webs.web_heights(v * depth, v * (middle + half * u), row).reshape(n, n)
         share = np.outer(np.cos(angle) * weight * np.sin(angle), 2 * np.sin(2 * angle) * weight)
         total += depth * half * float((z * share).sum())
     return total

@@ -1,4 +1,7 @@
-"""Models made by hand from every family, with made-up deviations: what the exporters' tests write and read back."""
+"""Models made by hand from every family, with made-up deviations: what the exporters' tests write and read back.
+
+And a small scan, for fits whose accuracy is not what matters.
+"""
 
 import dataclasses
 from collections.abc import Callable
@@ -13,6 +16,7 @@ from families import FAMILIES, Barrel, Groin, Pointed, Sail, Vault, family
 from families.declaration.parameters import derived_declarations
 from vaultcad.model import Component, FittedArch, FittedVault, Model, Rival
 from vaultcad.pose import Pose
+from vaultcad.scanner import ScannerSettings, scan, write_scan
 from vaultcad.uncertain import Covariance, Deviation, Estimate
 
 IDS = tuple(cls.id for cls in FAMILIES)
@@ -86,6 +90,15 @@ def building() -> Model:
     between = arched((2, 1), Pose(2.55, 0.0, 3.0, radians(90)))
     origin = np.array([512_000.0, 4_871_000.0, 210.0])
     return make("groin", vaults=(*bays, upper), arches=(between,), origin=origin, scan=Path("two bays.e57"))
+
+
+@pytest.fixture(scope="session")
+def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small scan of a room under a sail vault, with its truth beside it."""
+    path = tmp_path_factory.mktemp("room") / "room.laz"
+    settings = ScannerSettings(points=60_000, tie_rods=0, furniture=1, settlement=0.01)
+    write_scan(scan(Sail(), settings, rng=np.random.default_rng(3)), path)
+    return path
 
 
 @pytest.fixture(scope="session")

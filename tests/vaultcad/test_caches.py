@@ -7,7 +7,6 @@ import pytest
 
 from vaultcad.caches import find_caches
 
-ROOM = Path(__file__).parents[2] / "examples" / "room.laz"
 NOWHERE = "/proc/nonexistent"
 
 
@@ -65,13 +64,13 @@ def test_where_there_is_a_home_nothing_changes(tmp_path, monkeypatch):
     assert "XDG_CACHE_HOME" not in os.environ
 
 
-def test_a_fit_without_home_and_beside_code_that_is_read_only_says_nothing_of_caches(tmp_path):
+def test_a_fit_without_home_and_beside_code_that_is_read_only_says_nothing_of_caches(tmp_path, room):
     locator = "UserWideCacheLocator"
     environment = {"PATH": os.environ["PATH"], "HOME": NOWHERE, "TMPDIR": str(tmp_path)}
     environment |= {"NUMBA_CACHE_LOCATOR_CLASSES": locator, "PYTHONPATH": os.pathsep.join(sys.path)}
     code = "import sys; from vaultcad.cli import main; sys.exit(main())"
-    options = ["-o", str(tmp_path / "out"), "--review", "--family", "groin"]
-    command = [sys.executable, "-c", code, "fit", str(ROOM), *options]
+    options = ["-o", str(tmp_path / "out"), "--review", "--family", "sail"]
+    command = [sys.executable, "-c", code, "fit", str(room), *options]
     run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
     assert run.stderr.count("\n") == 1

@@ -4,7 +4,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOM = Path(__file__).parents[2] / "examples" / "room.laz"
 WITHOUT = """
 import sys
 class Missing:
@@ -22,8 +21,8 @@ def run(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
-def test_a_fit_needs_no_extra(tmp_path):
-    ran = run("fit", ROOM, "-o", tmp_path / "out", "--review")
+def test_a_fit_needs_no_extra(tmp_path, room):
+    ran = run("fit", room, "-o", tmp_path / "out", "--review")
     assert ran.returncode == 0, ran.stderr
     assert len(list((tmp_path / "out").iterdir())) == 11
 

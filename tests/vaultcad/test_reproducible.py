@@ -65,9 +65,9 @@ def test_a_laz_made_from_another_format_does_not_tell_the_day(tmp_path, monkeypa
         assert file.header.creation_date.isoformat() == "2023-11-14"
 
 
-def test_a_scan_whose_name_is_no_text_is_fitted(tmp_path):
+def test_a_scan_whose_name_is_no_text_is_fitted(tmp_path, room):
     scan = tmp_path / os.fsdecode(b"Gew\xf6lbe ';ENDSEC;.laz")
-    shutil.copy(ROOM, scan)
+    shutil.copy(room, scan)
     out = tmp_path / os.fsdecode(b"Gew\xf6lbe\n'")
     run = subprocess.run([sys.executable, "-c", FIT, "2", "1000000", scan, out], capture_output=True, check=False)
     assert run.returncode == 0, run.stderr

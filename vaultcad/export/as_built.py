@@ -15,7 +15,9 @@ from families import Vault
 from families.solid.mesh import Mesh
 from vaultcad.displacement import Displacement
 from vaultcad.errors import ExportError
-from vaultcad.export.geometry import KEPT, Body, Floats, bodies, masonry, shell
+from vaultcad.export.component_bodies import Body
+from vaultcad.export.geometry import KEPT, bodies, masonry, shell
+from vaultcad.export.mesh_borders import Floats
 from vaultcad.model import Assembly, PlacedVault
 
 GRAIN = 0.5  # [m], longest side of a displaced triangle, which is then within about 1 mm of a settlement of 3 cm

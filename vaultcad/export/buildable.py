@@ -11,7 +11,8 @@ import numpy as np
 from families import Profile, Ribs, Semicircular, Vault
 from segmentation.notes import Note
 from vaultcad.export.as_built import solid_of
-from vaultcad.export.geometry import cut, exact, masonry, rib_bodies
+from vaultcad.export.component_bodies import cut
+from vaultcad.export.geometry import exact, masonry, rib_bodies
 from vaultcad.model import Assembly, FittedVault, PlacedVault
 
 NUDGES = (0.0, 1e-5, -1e-5, 3e-5, -3e-5)  # of the first parameter, twice that of the second, and so on

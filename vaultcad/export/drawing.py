@@ -12,7 +12,9 @@ from families.drawing.deviation_colours import CONVENTION, UNKNOWN, shades
 from families.drawing.looks import OUTSIDE, SLAB
 from families.drawing.section import PLANES, CutPlane, measured
 from families.drawing.sheet import Drawing
-from vaultcad.export.geometry import Body, Floats, bodies, loops, shell
+from vaultcad.export.component_bodies import Body
+from vaultcad.export.geometry import bodies, shell
+from vaultcad.export.mesh_borders import Floats, loops
 from vaultcad.export.palette import colour
 from vaultcad.export.seen import Seen
 

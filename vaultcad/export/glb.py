@@ -11,7 +11,8 @@ import numpy as np
 from families.solid.mesh import Mesh
 from vaultcad.displacement import Displacement
 from vaultcad.export.as_built import names_of, shell_of
-from vaultcad.export.geometry import Floats, Triangles, rib_bodies
+from vaultcad.export.geometry import rib_bodies
+from vaultcad.export.mesh_borders import Floats, Triangles
 from vaultcad.export.palette import Colour, colour
 from vaultcad.model import Assembly, PlacedVault
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from vaultcad.export.geometry import Body
+from vaultcad.export.component_bodies import Body
 from vaultcad.export.ifc_arch import member
 from vaultcad.export.ifc_author import Author, Entity
 from vaultcad.export.ifc_bodies import as_built, shapes

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from vaultcad.export.as_built import bodies_of
-from vaultcad.export.geometry import Body
+from vaultcad.export.component_bodies import Body
 from vaultcad.export.ifc_author import Author, Entity
 from vaultcad.export.ifc_properties import Row, deviation
 from vaultcad.export.palette import colour

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from families import Vault
 from families.declaration.once import Once
-from families.void import kernel
+from families.void import body_table, kernel
 from vaultcad.fit.freedom import Freedom
 from vaultcad.pose import Pose
 
@@ -41,7 +41,7 @@ class Placed:
 
 def tables(vault: Vault) -> tuple[Array, Array]:
     """Table of bodies and outline of a vault, as `families.void.kernel` takes them."""
-    return kernel.pack(vault.pieces(), vault.components), kernel.pack_plan(vault.plan)
+    return body_table.pack(vault.pieces(), vault.components), body_table.pack_plan(vault.plan)
 
 
 @dataclass(frozen=True)

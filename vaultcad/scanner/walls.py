@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
-from families.declaration.plan import Plan, Side
+from families.declaration.plan import Plan
+from families.declaration.plan_sides import Side
 from vaultcad.scanner.settings import ScannerSettings
 from vaultcad.scanner.triangles import Triangles, prism, rectangle
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from families import Vault
 from families.declaration.pieces import Ball, BarrelPart, Turned, Web
-from families.declaration.plan import Side, Vector
+from families.declaration.plan_sides import Side, Vector
 from families.void.columns import heights
 from families.void.upright import Upright, chords, outlines
 from vaultcad.model import PlacedVault

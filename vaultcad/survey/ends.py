@@ -9,7 +9,8 @@ from math import atan
 import numpy as np
 from numpy.typing import NDArray
 
-from families.declaration.plan import Plan, Side
+from families.declaration.plan import Plan
+from families.declaration.plan_sides import Side
 from vaultcad.survey.footprints import Ground
 
 Array = NDArray[np.float64]

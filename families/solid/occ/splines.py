@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -41,9 +42,9 @@ def bspline_surface(knots_u: Array, knots_v: Array, poles: Array, degree: int) -
 
 def counted(knots: Array) -> tuple[TColStd_Array1OfReal, TColStd_Array1OfInteger]:
     """Knots of a spline, each once, and how often each counts."""
-    values, counts = np.unique(knots, return_counts=True)
-    once, times = TColStd_Array1OfReal(1, len(values)), TColStd_Array1OfInteger(1, len(values))
-    for k, (value, count) in enumerate(zip(values.tolist(), counts.tolist(), strict=True), 1):
+    found = [(value, len(list(same))) for value, same in groupby(knots.tolist())]
+    once, times = TColStd_Array1OfReal(1, len(found)), TColStd_Array1OfInteger(1, len(found))
+    for k, (value, count) in enumerate(found, 1):
         once.SetValue(k, value)
         times.SetValue(k, count)
     return once, times

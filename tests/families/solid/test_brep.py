@@ -32,6 +32,7 @@ from families import (
     Stilted,
     Trough,
 )
+from families.declaration.corners import Skew
 from families.declaration.palette import colour
 from families.solid import brep
 from families.solid.mesh import mesh, mesh_solid
@@ -282,6 +283,7 @@ def test_the_mouth_of_a_lunette_stays_open():
         Groin(4.6, 5.4, Segmental(0.37154), Segmental(0.31624)),  # rises of 1.7091 and 1.7077 m
         Dome(2.0, Pointed(0.8), drum_ratio=0.0, pendentive_ratio=1.0),
         Lunette(4.0, 6.0, Segmental(0.4), 2, pitch_ratio=0.8, width_ratio=1.0, springing_ratio=1.0),
+        Barrel(2.834, 3.497, Elliptical(0.17), slope=0.507, splay=-0.07, skew=Skew(0.002, 0.0645, -0.15)),
     ],
     ids=lambda vault: vault.id,
 )

@@ -86,6 +86,15 @@ def test_what_cannot_be_is_refused_with_its_reason():
         rib_bodies(Rib(5, 5, Pointed(1.5), Pointed(1.5)), Ribs(1.0, 0.03, kinds=("ridge",)))
 
 
+def test_a_rib_of_which_no_body_can_be_made_is_named_with_the_way_out(monkeypatch):
+    def refuse(upper, lower):
+        raise ValueError("OpenCASCADE finds a fault")
+
+    monkeypatch.setattr("families.solid.ribs.body", refuse)
+    with pytest.raises(ValueError, match=r"no exact body of ridge_south can be built.*leave the ridges out"):
+        rib_bodies(Rib(5, 5), Ribs(kinds=("ridge",)))
+
+
 def test_lines_lie_on_the_vaults():
     for vault in (*VAULTS, *(cls() for cls in FAMILIES)):
         for line in vault.rib_lines():

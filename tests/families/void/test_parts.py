@@ -9,7 +9,7 @@ from families.declaration.pieces import Ball, BarrelPart, Part, Piece, Turned
 from families.declaration.plan import Plan
 from families.declaration.profiles import PROFILES, Elliptical, Pointed, Semicircular
 from families.declaration.vault import IDENTITY
-from families.void import kernel
+from families.void import body_table, kernel
 from families.void.sampling_strips import strips
 
 PLAN = Plan.polygon(((-3.0, -2.0), (3.5, -2.5), (2.5, 3.0), (-2.0, 2.0)))
@@ -59,13 +59,13 @@ def laid(part: Part, plan: Plan, count: int = 2000) -> tuple[np.ndarray, np.ndar
 
 
 def distances(part: Part, xyz: np.ndarray) -> np.ndarray:
-    return kernel.distances(xyz, IDENTITY, kernel.pack((Piece((part,)),), NAMES), kernel.pack_plan(None))
+    return kernel.distances(xyz, IDENTITY, body_table.pack((Piece((part,)),), NAMES), body_table.pack_plan(None))
 
 
 def test_samples_lie_on_a_part_and_have_its_normals(alone: tuple[Part, Plan]) -> None:
     xyz, normal = laid(*alone)
-    table = kernel.pack((Piece((alone[0],)),), NAMES)
-    distance, component, seen = kernel.surface(xyz, IDENTITY, table, kernel.pack_plan(None))
+    table = body_table.pack((Piece((alone[0],)),), NAMES)
+    distance, component, seen = kernel.surface(xyz, IDENTITY, table, body_table.pack_plan(None))
     assert np.abs(distance).max() < 1e-9
     assert component[xyz[:, 2] > 0].all()
     # On the axis of one side, and where two arcs meet, either normal will do.
@@ -119,8 +119,8 @@ def test_the_area_of_strips_is_that_of_a_mesh(alone: tuple[Part, Plan]) -> None:
 )
 def test_walls_stand_on_the_sides_of_the_plan(plan: Plan) -> None:
     xyz = np.random.default_rng(1).uniform(-4, 4, (5000, 3))
-    table = kernel.pack((Piece((Ball(50.0, 100.0, ("a",)),)),), NAMES)  # as good as no vault
-    walls, frame = kernel.pack_plan(plan), IDENTITY
+    table = body_table.pack((Piece((Ball(50.0, 100.0, ("a",)),)),), NAMES)  # as good as no vault
+    walls, frame = body_table.pack_plan(plan), IDENTITY
     distance, component, normal = kernel.surface(xyz, frame, table, walls)
     assert distance == pytest.approx(plan.distance(xyz[:, :2]), abs=1e-12)
     assert not component.any()
@@ -135,7 +135,7 @@ def test_walls_stand_on_the_sides_of_the_plan(plan: Plan) -> None:
 def test_the_walls_below_one_side_of_a_barrel_may_have_a_name() -> None:
     part, _ = PARTS["one side"]
     xyz, _ = laid(part, PLAN)
-    table = kernel.pack((Piece((part,)),), NAMES)
-    component = kernel.surface(xyz, IDENTITY, table, kernel.pack_plan(None))[1]
+    table = body_table.pack((Piece((part,)),), NAMES)
+    component = kernel.surface(xyz, IDENTITY, table, body_table.pack_plan(None))[1]
     assert ((component == 3) == (xyz[:, 2] <= 0.4)).all()
     assert set(component) == {1, 2, 3}

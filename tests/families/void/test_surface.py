@@ -24,7 +24,7 @@ from families import (
     Trough,
     Vault,
 )
-from families.void import kernel
+from families.void import body_table, kernel, profile_distance
 from families.void.sampling import sample
 
 # The height of each family's intrados over its plan, written down anew from the textbook formulas.
@@ -260,8 +260,8 @@ def test_float32_and_no_points_at_all_are_fine():
 @pytest.mark.parametrize("cls", FAMILIES, ids=lambda c: c.id)
 def test_the_body_that_decides_a_distance_has_that_distance(cls: type[Vault]) -> None:
     vault = cls()
-    frame, table = np.eye(3, 4), kernel.pack(vault.pieces(), vault.components)
-    plan = kernel.pack_plan(vault.plan)
+    frame, table = np.eye(3, 4), body_table.pack(vault.pieces(), vault.components)
+    plan = body_table.pack_plan(vault.plan)
     points = np.random.default_rng(7).uniform(-1.1, 1.1, (4000, 3)) * [vault.plan.half_x, vault.plan.half_y, 3.0]
     rows, normals = kernel.deciding(points, frame, table, plan)
     assert rows.max() >= 0
@@ -279,4 +279,4 @@ def test_the_distance_to_an_ellipse_holds_near_and_far() -> None:
         on = np.column_stack([a * np.cos(angle), b * np.sin(angle)])
         for u, z in rng.uniform(0, 3, (50, 2)):
             nearest = np.hypot(*(on - [u, z]).T).min()
-            assert abs(kernel._ellipse(u, z, a, b)[0]) == pytest.approx(nearest, abs=1e-4)
+            assert abs(profile_distance.to_ellipse(u, z, a, b)[0]) == pytest.approx(nearest, abs=1e-4)

@@ -1,4 +1,4 @@
-"""Runs the program in this process, and small scans for it."""
+"""Runs the program in this process, and a small scan for it."""
 
 import os
 from collections.abc import Callable
@@ -8,10 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from families import family
 from segmentation.io import write_cloud
 from vaultcad.cli import main
-from vaultcad.scanner import ScannerSettings, scan, write_scan
 
 
 @dataclass(frozen=True)
@@ -55,15 +53,6 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> 
 def assumed() -> str:
     """What is said of a scan that states no unit."""
     return "vaultcad: unit: metre, which is assumed, for the file states none; --unit says otherwise\n"
-
-
-@pytest.fixture(scope="session")
-def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A small scan of a room under a sail vault, with its truth beside it."""
-    path = tmp_path_factory.mktemp("room") / "room.laz"
-    settings = ScannerSettings(points=60_000, tie_rods=0, furniture=1, settlement=0.01)
-    write_scan(scan(family("sail")(), settings, rng=np.random.default_rng(3)), path)
-    return path
 
 
 @pytest.fixture

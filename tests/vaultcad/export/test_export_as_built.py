@@ -13,9 +13,9 @@ from families import FAMILIES, Lunette
 from vaultcad.displacement import Displacement
 from vaultcad.export.as_built import bodies_of, shell_of, solid_of
 from vaultcad.export.buildable import buildable
-from vaultcad.export.geometry import loops
 from vaultcad.export.glb import write_glb
 from vaultcad.export.ifc import write_ifc
+from vaultcad.export.mesh_borders import loops
 from vaultcad.export.step import write_step
 
 DRAWN = ("ideal", "as-built", "both")

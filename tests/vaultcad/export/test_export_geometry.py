@@ -9,8 +9,10 @@ import trimesh
 from families import FAMILIES, Dome, Groin, Lunette, Mirror, Pointed, Segmental, Stilted, Trough
 from families.solid.mesh import Mesh
 from vaultcad.errors import ExportError
+from vaultcad.export.component_bodies import Body
 from vaultcad.export.drawing import cut
-from vaultcad.export.geometry import Body, bodies, closed, loops, shell
+from vaultcad.export.geometry import bodies, shell
+from vaultcad.export.mesh_borders import closed, loops
 from vaultcad.scanner import draw
 
 THICKNESS = 0.15

@@ -13,7 +13,8 @@ import pytest
 
 from families import FAMILIES, family
 from vaultcad.export import geometry
-from vaultcad.export.geometry import Body, bodies, masonry
+from vaultcad.export.component_bodies import Body
+from vaultcad.export.geometry import bodies, masonry
 from vaultcad.export.ifc import write_ifc
 from vaultcad.export.palette import colour
 from vaultcad.model import Assembly, PlacedVault

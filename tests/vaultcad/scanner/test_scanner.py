@@ -11,11 +11,9 @@ import segmentation
 from families import FAMILIES, Barrel, Groin, Lunette, Mirror, Sail, Vault
 from vaultcad.errors import MissingLibraryError
 from vaultcad.scanner import ScannerSettings, VirtualScan, beams, draw, read_truth, scan, vault_of, write_scan
-from vaultcad.scanner.room import GAP, TOLERANCE, vault_triangles
-from vaultcad.scanner.settle import DeclaredSettlement, draw_settlement
+from vaultcad.scanner.room import GAP, TOLERANCE
 from vaultcad.scanner.shoot import FLYING
 from vaultcad.scanner.triangles import box, split
-from vaultcad.scanner.truth import case
 
 EXACT = ScannerSettings(
     points=20_000,
@@ -171,21 +169,6 @@ def test_beams_are_lost_where_the_return_is_weak() -> None:
     assert frontal > distant
 
 
-@EACH
-def test_settlement_has_its_amplitude_is_continuous_and_leaves_the_floor(family: type[Vault]) -> None:
-    vault = family()
-    vertices = vault_triangles(vault).vertices
-    half = (vault.plan.half_x, vault.plan.half_y)
-    settle = draw_settlement(vertices, vault.plan, 1.5, 0.03, np.random.default_rng(5))
-    assert np.linalg.norm(settle(vertices), axis=1).max() == pytest.approx(0.03)
-    rng = np.random.default_rng(6)
-    points = rng.uniform([-half[0], -half[1], -3], [half[0], half[1], vertices[:, 2].max()], (20_000, 3))
-    close = points + rng.normal(size=points.shape) * 1e-3
-    stretch = np.linalg.norm(settle(points) - settle(close), axis=1) / np.linalg.norm(points - close, axis=1)
-    assert stretch.max() < 10 * 0.03 / min(half)
-    assert not settle(points[points[:, 2] < -1.5]).any()
-
-
 def test_settlement_shows_in_the_scan_by_no_more_than_its_amplitude() -> None:
     virtual = scanned(Mirror(), changed(EXACT, settlement=0.04))
     shown = virtual.component > 0
@@ -253,16 +236,6 @@ def test_truth_lies_beside_the_scan_and_holds_all_in_the_order_of_the_file(suffi
     assert np.abs(vault.distance(local)).max() < MESH + 2e-4
 
 
-@EACH
-def test_case_gives_the_vault_back(family: type[Vault]) -> None:
-    for seed in range(5):
-        vault, settings = draw(family, np.random.default_rng(seed))
-        written = json.loads(json.dumps(case(vault, settings, np.zeros((1, 3)), 0.004, 1000)))
-        assert vault_of(written) == vault
-        assert written["pose"]["origin"][2] == settings.origin[2] + settings.wall_height
-        assert settings == draw(family.id, np.random.default_rng(seed))[1]
-
-
 def test_the_same_seed_gives_the_same_bytes_and_another_does_not(tmp_path) -> None:
     vault, settings = draw("mirror", np.random.default_rng(8))
     settings = changed(settings, points=10_000)
@@ -275,56 +248,6 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not(tmp_path) -> No
     assert files[0] == files[1]
     assert files[0][0] != files[2][0]
     assert files[0][1] != files[2][1]
-
-
-@EACH
-def test_draws_are_realistic_and_varied(family: type[Vault]) -> None:
-    drawn = [draw(family, np.random.default_rng(seed)) for seed in range(60)]
-    for vault, settings in drawn:
-        assert isinstance(vault, family)
-        assert (2.5 if family.four_corners else 1.5) <= vault.plan.width <= 9
-        assert settings.noise <= 0.005
-        assert settings.settlement <= 0.05
-        assert settings.holes <= 0.15
-        if vault.plan.on_wall_x or vault.plan.on_wall_y:
-            assert settings.walls == "walls"
-    for name in ("stations", "crop", "lamp", "cornice", "scaffold", "openings"):
-        assert len({getattr(settings, name) for _, settings in drawn}) > 1
-    assert {settings.origin == (0, 0, 0) for _, settings in drawn} == {True, False}
-
-
-@pytest.mark.parametrize(
-    ("field", "value", "limit"),
-    [
-        ("points", 10, "1000"),
-        ("noise", float("nan"), "0.05"),
-        ("stations", 0, "1"),
-        ("stations", 1.5, "12"),
-        ("noise", -0.001, "0.05"),
-        ("settlement", 1.0, "0.3"),
-        ("holes", 0.9, "0.6"),
-        ("wall_height", 0.5, "1.2"),
-        ("yaw", 4.0, "3.14"),
-        ("walls", "glass", "piers"),
-        ("origin", (0.0, float("nan"), 0.0), "finite"),
-        ("origin", (0.0, 0.0), "three"),
-    ],
-)
-def test_a_bad_setting_is_refused_by_name_value_and_limit(field: str, value: object, limit: str) -> None:
-    with pytest.raises(ValueError, match=field) as refused:
-        changed(EXACT, **{field: value})
-    shown = f"{value:g}" if isinstance(value, float | int) else repr(value)
-    assert shown in str(refused.value)
-    assert limit in str(refused.value)
-
-
-def test_settings_that_do_not_suit_the_vault_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"walls = 'piers'.*barrel"):
-        scan(Barrel(), changed(EXACT, walls="piers"), rng=np.random.default_rng(0))
-    with pytest.raises(ValueError, match="station_height = 3 m"):
-        scan(Sail(3, 3, 0.3), changed(EXACT, wall_height=2.5, station_height=3), rng=np.random.default_rng(0))
-    with pytest.raises(ValueError, match="no vault family is called 'igloo'"):
-        draw("igloo", np.random.default_rng(0))
 
 
 def test_a_missing_open3d_is_named_with_the_way_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -346,22 +269,6 @@ def test_splitting_keeps_area_and_leaves_no_crack() -> None:
     assert (uses == 2).all()
     assert np.linalg.norm(np.diff(fine.vertices[sides], axis=1), axis=-1).max() <= 0.11
     assert areas(fine).sum() == pytest.approx(areas(whole).sum())
-
-
-@EACH
-def test_a_declared_settlement_moves_what_it_names_and_leaves_the_foot(family):
-    vault = family()
-    x, y = vault.plan.half
-    settings = changed(EXACT, crown_fall=0.03, spread_x=0.02, one_sided=0.01)
-    settlement = DeclaredSettlement.of(settings, vault.plan, vault.top, depth=1.5)
-    crown, west, east, foot = settlement(np.array([[0, 0, vault.top], [-x, 0, 0], [x, 0, 0], [x, 0, -1.5]]))
-    assert crown[2] == pytest.approx(-0.03 - 0.005)
-    assert east[0] - west[0] == pytest.approx(0.02)
-    assert west[2] - east[2] == pytest.approx(0.01)
-    assert not foot.any()
-    twisted = DeclaredSettlement.of(changed(EXACT, twist=0.02), vault.plan, vault.top, depth=1.5)
-    corners = twisted(np.array([[x, y, 0], [-x, y, 0]]))
-    assert corners[1, 2] - corners[0, 2] == pytest.approx(0.02)
 
 
 def test_a_later_visit_scans_the_same_room_from_elsewhere():

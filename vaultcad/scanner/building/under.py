@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
-from families.declaration.plan import Side
+from families.declaration.plan_sides import Side
 from vaultcad.scanner.building.elements import Bay
 from vaultcad.scanner.building.labels import FLOOR, WALL, Kind, Label, Labels
 from vaultcad.scanner.building.solids import Body
