@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from math import exp
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from vaultcad.change.mechanisms import MECHANISMS, PARTS, Body, shapes
 from vaultcad.change.motion import Estimated, Trend, Waves, estimated, honest, mixed
 from vaultcad.change.places import Sights, movement_of, places, readings
+from vaultcad.change.strays import without_strays
 from vaultcad.deformation import Against, Deformation, Resemblance
 from vaultcad.find.choices import Choice
 from vaultcad.find.likelihood import DOUBT, ENOUGH, near_edges, secants
@@ -43,6 +45,7 @@ HINTS = (
 SUPPLE = 5.0  # standard deviations are wider by this where webs give way to a movement; see `docs/measured.md`
 UNWEIGHED = 3.0  # standard deviations are wider by this where no way of building could be weighed
 LIKELY, MOST_WAYS = 0.02, 4  # chance of a way of building, below which it does not count, and how many do at most
+LIKELY_FADING = 0.05  # chance of a way in which walls fade, below which it does not count
 ROUGHLY = 5  # of the fields that are weighed, one in so many squared tells mechanisms apart
 CAUTION = (
     "A scan shows where the stone stands, not how it came there: what looks like a movement may have been built so.",
@@ -73,6 +76,7 @@ class _Stone:
         residuals = placed.distance(evidence.points)
         weights = evidence.weights / (1 + (residuals / WIDEST) ** 2) ** 2
         blocks = Partition.of(placed, evidence.points, weights * ~near_edges(placed, evidence.points, ROUNDED), BLOCKS)
+        blocks = without_strays(blocks, residuals)
         mean = blocks.means(residuals[:, None])[:, 0]
         usable = (blocks.weight > 0) & (np.abs(mean) < FARTHEST)
         if usable.sum() < ENOUGH:
@@ -86,7 +90,7 @@ class _Stone:
         """Without blocks that no shape of a mechanism and no other size of the vault explains: furniture, frames."""
         solution = self.refined.loose
         rest, known = _way(self, solution)
-        fields, parts = shapes(self.place, self.body)
+        fields, parts, _ = shapes(self.place, self.body)
         slopes = np.einsum("mkc,mc->mk", fields, self.normal)
         none = np.empty((0, slopes.shape[1]))
         whole = Trend.of_shapes(slopes, none, parts).beside(*known)
@@ -152,9 +156,9 @@ def read_deformation(
     vault, yaw = refined.placed.vault, refined.placed.pose.yaw
     wanted = readings(vault, stone.body, stone.walls)
     at = places(wanted)
-    fields, parts = shapes(stone.place, stone.body)
-    there, _ = shapes(at.place, stone.body)
-    seen, figures = np.einsum("mkc,mc->mk", fields, stone.normal), at.sums(np.einsum("pkc,pc->pk", there, at.way))
+    shown = shapes(stone.place, stone.body)
+    there, parts = shapes(at.place, stone.body).fields, shown.part
+    seen, figures = np.einsum("mkc,mc->mk", shown.fields, stone.normal), at.sums(np.einsum("pkc,pc->pk", there, at.way))
     trend = Trend.of_shapes(seen, figures, parts)
     waves = Waves.of(stone.place, stone.normal, at, vault.plan.width)
     deviation = stone.means(refined.placed.distance(refined.points)[:, None])[:, 0]
@@ -165,12 +169,17 @@ def read_deformation(
         figures = zip(wanted, mean, honest(np.hypot(wider * std, stone.misfit), registration), strict=True)
         return Against(id, reference, tuple(movement_of(one, m, s, yaw) for one, m, s in figures))
 
-    fitted = estimated(deviation, trend, waves)
     ways = _ways(stone, choices, demands)
-    built = [(chance, estimated(rest, trend.beside(*known), waves)) for chance, rest, known in ways]
+    one_way = [Trend.of_shapes(seen[:, mine], figures[:, mine], parts[mine]) for mine in shown.alternatives()]
+    fadings = _likely_fadings(ways[0], one_way, waves)
+    fitted = [(odds, estimated(deviation, fading, waves)) for odds, fading in fadings]
+    built = [
+        (chance * odds, estimated(rest, fading.beside(*known), waves))
+        for (chance, rest, known), (odds, fading) in product(ways, fadings)
+    ]
     against = [
         told("built", _built_words(choices), *mixed(built)),
-        told("fitted", "the ideal vault as it was fitted", fitted.mean, fitted.std),
+        told("fitted", "the ideal vault as it was fitted", *mixed(fitted)),
     ]
     if surface is not None:
         left = deviation - np.einsum("mc,mc->m", surface(stone.place), stone.normal)
@@ -209,6 +218,15 @@ def _at_rest(refined: Refined, placed: Placed, names: tuple[str, ...], free: Fre
 def _way(stone: _Stone, solution: Solution) -> tuple[Array, tuple[Array, Array, Array]]:
     residual = stone.means(solution.residuals[:, None])[:, 0]
     return residual, (stone.means(secants(solution, stone.refined.points)), *beforehand(solution))
+
+
+def _likely_fadings(way: _Way, fadings: Sequence[Trend], waves: Waves) -> list[tuple[float, Trend]]:
+    """Of the ways in which walls may fade, each with its shapes, those that are likely, and how likely each is."""
+    _, rest, known = way
+    likelihood = np.array([estimated(rest, one.beside(*known), waves, ROUGHLY).likelihood for one in fadings])
+    odds = np.exp((likelihood - likelihood.max()) / DOUBT)
+    odds /= odds.sum()
+    return [(chance, one) for chance, one in zip(odds.tolist(), fadings, strict=True) if chance >= LIKELY_FADING]
 
 
 def _resemblances(way: _Way, trend: Trend, parts: NDArray[np.str_], waves: Waves) -> tuple[Resemblance, ...]:
