@@ -42,7 +42,7 @@ STRANGE = (
 HINTS = (
     "How webs such as these moved cannot be told from one scan: the figures are hints, their limits may be too narrow."
 )
-SUPPLE = 5.0  # standard deviations are wider by this where webs give way to a movement; see `docs/measured.md`
+PLIANT = 5.0  # standard deviations are wider by this where webs give way to a movement; see `docs/measured.md`
 UNWEIGHED = 3.0  # standard deviations are wider by this where no way of building could be weighed
 LIKELY, MOST_WAYS = 0.02, 4  # chance of a way of building, below which it does not count, and how many do at most
 LIKELY_FADING = 0.05  # chance of a way in which walls fade, below which it does not count
@@ -163,7 +163,7 @@ def read_deformation(
     waves = Waves.of(stone.place, stone.normal, at, vault.plan.width)
     deviation = stone.means(refined.placed.distance(refined.points)[:, None])[:, 0]
 
-    wider = (SUPPLE if vault.supple else 1.0) * (1.0 if choices else UNWEIGHED)
+    wider = (PLIANT if vault.pliant else 1.0) * (1.0 if choices else UNWEIGHED)
 
     def told(id: str, reference: str, mean: Array, std: Array) -> Against:
         figures = zip(wanted, mean, honest(np.hypot(wider * std, stone.misfit), registration), strict=True)
@@ -187,7 +187,7 @@ def read_deformation(
         local = estimated(left, bare, waves)
         against.append(told("as_built", "the smooth surface through the stone as it stands", local.mean, local.std))
     resembles = _resemblances(ways[0], trend, parts, waves)
-    if vault.supple:
+    if vault.pliant:
         return Deformation(tuple(against), (), HINTS, _caution(stone, choices))
     return Deformation(tuple(against), resembles, _verdict(against[0], resembles), _caution(stone, choices))
 
@@ -278,10 +278,10 @@ def _caution(stone: _Stone, choices: Sequence[Choice]) -> tuple[str, ...]:
             "No way in which it may have been built could be weighed against others: what the fit holds of its shape "
             f"may be false. All limits are {UNWEIGHED:g} times as wide."
         )
-    if stone.refined.placed.vault.supple:
+    if stone.refined.placed.vault.pliant:
         doubts.append(
             "Webs such as these take up a movement by their own shape: a fall of the crown can pass for a spread. "
-            f"All limits are {SUPPLE:g} times as wide."
+            f"All limits are {PLIANT:g} times as wide."
         )
     if stone.misfit > 0:
         doubts.append(
