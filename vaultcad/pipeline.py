@@ -49,7 +49,7 @@ Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 
 LOG = logging.getLogger(__name__)
-LOOKED_AT = 400_000  # points of a vault at least, if it has as many, of which some measure the as-built surface
+LOOKED_AT = 50_000  # points of a vault at least, if it has as many, of which some measure the as-built surface
 STAGES = ("thinning", "finding", "labelling", "measuring")
 SPARSE = 0.09  # m between points, from which on the end of a vault without a wall is hard to tell
 REGISTRATION = 0.001  # m, by which figures may be off as stations are registered to 1 to 3 mm

@@ -8,7 +8,9 @@ their likelihood, so that limits hold whatever the stone is like: a block counts
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +22,7 @@ from vaultcad.fit.settlement import LENGTHS, PRIOR, ROUGHNESSES, STRENGTHS
 Array = NDArray[np.float64]
 
 EVERY = 3  # of strengths and roughnesses which one is taken, to be quick
+ROUGHLY = 5  # the same where mechanisms are told apart
 STRANGER = (
     1.5  # standard deviations are wider by this, as no movement is quite such a field; see `bench/deformation.py`
 )
@@ -78,11 +81,10 @@ class Waves:
 
 @dataclass(frozen=True)
 class Estimated:
-    """Means (f,) and standard deviations (f,) of figures [m], and the logarithm of how likely all this is."""
+    """Means (f,) and standard deviations (f,) of figures [m]."""
 
     mean: Array
     std: Array
-    likelihood: float
 
 
 @dataclass(frozen=True)
@@ -116,6 +118,10 @@ class Trend:
             np.hstack([none, self.figures]),
         )
 
+    def only(self, part: NDArray[np.bool_]) -> Trend:
+        """With a part (u,) of the unknowns alone."""
+        return Trend(self.slopes[:, part], self.precision[part], self.mean[part], self.figures[:, part])
+
     def likeliest(self, deviation: Array, near: NDArray[np.bool_]) -> Array:
         """The unknowns (u,) by those of the deviations (m,) [m] that are `near`, as if there were no waves."""
         slopes, rough = self.slopes[near], USUAL_ROUGHNESS**-2
@@ -124,20 +130,29 @@ class Trend:
         return np.asarray(np.linalg.solve(inverse, told), np.float64)
 
 
-def estimated(deviation: Array, trend: Trend, waves: Waves, every: int = EVERY) -> Estimated:
+def estimated(deviation: Array, trend: Trend, waves: Waves) -> Estimated:
     """Figures from the deviations of blocks (m,) [m], averaged over all fields that are likely."""
-    fields = [one for k in range(len(LENGTHS)) for one in _of_length(k, deviation, trend, waves, every)]
-    likelihood = np.array([one[0] for one in fields])
+    fields = [_Fields.of(k, deviation, trend, waves, EVERY) for k in range(len(LENGTHS))]
+    likelihood = np.concatenate([one.likelihood for one in fields])
     odds = np.exp((likelihood - likelihood.max()) / DOUBT)
-    kept = np.flatnonzero(odds > SHARE * odds.max())
+    kept = odds > SHARE * odds.max()
     share = odds[kept] / odds[kept].sum()
-    moments = [_moments(fields[k], trend, waves) for k in kept]
-    means, variances = np.stack([m for m, _ in moments]), np.stack([v for _, v in moments])
+    masks = np.split(kept, len(LENGTHS))
+    moments = [one.moments(mask, trend, waves) for one, mask in zip(fields, masks, strict=True)]
+    means, variances = (np.concatenate(part) for part in zip(*moments, strict=True))
     mean = share @ means
     variance = share @ (variances + (means - mean) ** 2)
-    top = float(likelihood.max())
-    total = top + float(np.log(np.exp(likelihood - top).sum()))
-    return Estimated(mean, np.sqrt(np.maximum(variance, 0.0)), total)
+    return Estimated(mean, np.sqrt(np.maximum(variance, 0.0)))
+
+
+def likelihoods(deviation: Array, trend: Trend, waves: Waves, parts: Sequence[NDArray[np.bool_]]) -> Array:
+    """Logarithms (p,) of how likely deviations (m,) [m] are, all fields together, by each part of the unknowns alone.
+
+    parts: of each the unknowns (u,) that it has.
+    """
+    fields = [_Fields.of(k, deviation, trend, waves, ROUGHLY) for k in range(len(LENGTHS))]
+    found = [np.concatenate([one.likelihood_of(part) for one in fields]) for part in parts]
+    return np.array([one.max() + np.log(np.exp(one - one.max()).sum()) for one in found])
 
 
 def mixed(parts: list[tuple[float, Estimated]]) -> tuple[Array, Array]:
@@ -149,39 +164,70 @@ def mixed(parts: list[tuple[float, Estimated]]) -> tuple[Array, Array]:
     return mean, np.sqrt(chance @ apart)
 
 
-_Field = tuple[float, int, float, Array, Array, Array, Array]
-"""Log likelihood, index of the length, variance of the waves, and of blocks in the eigenbasis (m,), unknowns (u,),
-the inverse of their covariance (u, u), and what they leave of the deviations (m,)."""
+@dataclass(frozen=True)
+class _Fields:
+    """Waves of one of `LENGTHS`, of all strengths and roughnesses, and what each says of the unknowns.
 
+    slopes: (m, u) and rest: (m,), of blocks in the basis of the waves' eigenvectors. strength: (f,) variances of waves.
+    variance: (f, m) of blocks. told: (f, u + 1, u + 1) normal equations of the unknowns, with their right side and the
+    squares of what is to be told as the last row and column. prior: (f,) logarithms.
+    """
 
-def _of_length(k: int, deviation: Array, trend: Trend, waves: Waves, every: int) -> list[_Field]:
-    values, vectors = waves.values[k], waves.vectors[k]
-    slopes, rest = vectors.T @ trend.slopes, vectors.T @ deviation
-    found: list[_Field] = []
-    for i in range(0, len(STRENGTHS), every):
-        strength = float(STRENGTHS[i] ** 2)
-        for rough in ROUGHNESSES[::every] ** 2:
-            variance = strength * values + rough
-            weighted = slopes / variance[:, None]
-            inverse = weighted.T @ slopes + np.diag(trend.precision)
-            pull = weighted.T @ rest + trend.precision * trend.mean
-            unknown = np.linalg.solve(inverse, pull)
-            misfit = float(rest @ (rest / variance) + trend.precision @ trend.mean**2 - pull @ unknown)
-            volume = float(np.linalg.slogdet(inverse)[1] - np.log(trend.precision).sum())
-            likelihood = -0.5 * (float(np.log(variance).sum()) + volume + misfit) + float(PRIOR[k, i])
-            found.append((likelihood, k, strength, variance, unknown, inverse, rest - slopes @ unknown))
-    return found
+    length: int
+    slopes: Array
+    rest: Array
+    precision: Array
+    strength: Array
+    variance: Array
+    told: Array
+    prior: Array
 
+    @classmethod
+    def of(cls, k: int, deviation: Array, trend: Trend, waves: Waves, every: int) -> _Fields:
+        """Of the k-th length; `every`: of strengths and roughnesses, which one is taken."""
+        slopes, rest = waves.vectors[k].T @ trend.slopes, waves.vectors[k].T @ deviation
+        rough, strength = np.meshgrid(ROUGHNESSES[::every] ** 2, STRENGTHS[::every] ** 2)
+        strength, rough = strength.ravel(), rough.ravel()
+        variance = strength[:, None] * waves.values[k] + rough[:, None]
+        # Products of any two columns, each with weights of all fields at once: one product of matrices.
+        columns = np.column_stack([slopes, rest])
+        low, high = np.tril_indices(columns.shape[1])
+        products = (1 / variance) @ (columns[:, low] * columns[:, high])
+        told = np.empty((len(strength), columns.shape[1], columns.shape[1]))
+        told[:, low, high] = told[:, high, low] = products
+        known = np.append(trend.precision, trend.precision @ trend.mean**2)
+        told[:, range(len(known)), range(len(known))] += known
+        told[:, :-1, -1] += trend.precision * trend.mean
+        told[:, -1, :-1] += trend.precision * trend.mean
+        prior = np.repeat(PRIOR[k, ::every], len(ROUGHNESSES[::every]))
+        return cls(k, slopes, rest, trend.precision, strength, variance, told, prior)
 
-def _moments(field: _Field, trend: Trend, waves: Waves) -> tuple[Array, Array]:
-    """Means (f,) and variances (f,) of figures in one field."""
-    _, k, strength, variance, unknown, inverse, left = field
-    gain = strength * waves.cross[k] / variance
-    mean = trend.figures @ unknown + gain @ left
-    sight = trend.figures - gain @ (waves.vectors[k].T @ trend.slopes)
-    spread = np.einsum("fu,uf->f", sight, np.linalg.solve(inverse, sight.T))
-    own = strength * (waves.own[k] - (gain * waves.cross[k]).sum(axis=1))
-    return mean, spread + np.maximum(own, 0.0)
+    @cached_property
+    def likelihood(self) -> Array:
+        """Logarithm (f,) of how likely each makes the deviations."""
+        return self.likelihood_of(np.ones(len(self.precision), np.bool_))
+
+    def likelihood_of(self, part: NDArray[np.bool_]) -> Array:
+        """The same with a part (u,) of the unknowns alone."""
+        mine = np.flatnonzero(np.append(part, True))
+        # Of such equations the last place of the root is what the unknowns leave.
+        root = np.diagonal(np.linalg.cholesky(self.told[:, mine[:, None], mine]), axis1=1, axis2=2)
+        volume = 2 * np.log(root[:, :-1]).sum(axis=1) - np.log(self.precision[part]).sum()
+        out: Array = self.prior - 0.5 * (np.log(self.variance).sum(axis=1) + volume + root[:, -1] ** 2)
+        return out
+
+    def moments(self, kept: NDArray[np.bool_], trend: Trend, waves: Waves) -> tuple[Array, Array]:
+        """Means and variances (k, n) of the n figures, in those of the fields (f,) that are kept."""
+        inverse = self.told[kept, :-1, :-1]
+        gain = self.strength[kept, None, None] * waves.cross[self.length] / self.variance[kept, None, :]
+        sight = trend.figures - gain @ self.slopes
+        right = np.concatenate([sight.swapaxes(1, 2), self.told[kept, :-1, -1:]], axis=2)
+        solved = np.linalg.solve(inverse, right)
+        unknown = solved[:, :, -1]
+        mean = unknown @ trend.figures.T + ((self.rest - unknown @ self.slopes.T)[:, None, :] * gain).sum(axis=2)
+        spread = np.einsum("kfu,kuf->kf", sight, solved[:, :, :-1])
+        own = waves.own[self.length] - (gain * waves.cross[self.length]).sum(axis=2)
+        return mean, spread + np.maximum(self.strength[kept, None] * own, 0.0)
 
 
 def _covariance(place: Array, way: Array, other: Array, along: Array, length: float) -> Array:

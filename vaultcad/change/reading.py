@@ -11,13 +11,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.change.mechanisms import MECHANISMS, PARTS, Body, shapes
-from vaultcad.change.motion import Estimated, Trend, Waves, estimated, honest, mixed
+from vaultcad.change.motion import Trend, Waves, estimated, honest, likelihoods, mixed
 from vaultcad.change.places import Sights, movement_of, places, readings
 from vaultcad.change.strays import without_strays
 from vaultcad.deformation import Against, Deformation, Resemblance
@@ -46,7 +45,6 @@ PLIANT = 5.0  # standard deviations are wider by this where webs give way to a m
 UNWEIGHED = 3.0  # standard deviations are wider by this where no way of building could be weighed
 LIKELY, MOST_WAYS = 0.02, 4  # chance of a way of building, below which it does not count, and how many do at most
 LIKELY_FADING = 0.05  # chance of a way in which walls fade, below which it does not count
-ROUGHLY = 5  # of the fields that are weighed, one in so many squared tells mechanisms apart
 CAUTION = (
     "A scan shows where the stone stands, not how it came there: what looks like a movement may have been built so.",
     "A settlement of all supports alike, walls that moved bodily, and motion along the surface cannot be seen.",
@@ -170,8 +168,10 @@ def read_deformation(
         return Against(id, reference, tuple(movement_of(one, m, s, yaw) for one, m, s in figures))
 
     ways = _ways(stone, choices, demands)
-    one_way = [Trend.of_shapes(seen[:, mine], figures[:, mine], parts[mine]) for mine in shown.alternatives()]
-    fadings = _likely_fadings(ways[0], one_way, waves)
+    fadings = [
+        (odds, Trend.of_shapes(seen[:, mine], figures[:, mine], parts[mine]))
+        for odds, mine in _likely_fadings(ways[0], trend, shown.alternatives(), waves)
+    ]
     fitted = [(odds, estimated(deviation, fading, waves)) for odds, fading in fadings]
     built = [
         (chance * odds, estimated(rest, fading.beside(*known), waves))
@@ -183,8 +183,7 @@ def read_deformation(
     ]
     if surface is not None:
         left = deviation - np.einsum("mc,mc->m", surface(stone.place), stone.normal)
-        bare = replace(trend, precision=np.full_like(trend.precision, 1e12))
-        local = estimated(left, bare, waves)
+        local = estimated(left, trend.only(np.zeros(len(parts), np.bool_)), waves)
         against.append(told("as_built", "the smooth surface through the stone as it stands", local.mean, local.std))
     resembles = _resemblances(ways[0], trend, parts, waves)
     if vault.pliant:
@@ -220,29 +219,30 @@ def _way(stone: _Stone, solution: Solution) -> tuple[Array, tuple[Array, Array, 
     return residual, (stone.means(secants(solution, stone.refined.points)), *beforehand(solution))
 
 
-def _likely_fadings(way: _Way, fadings: Sequence[Trend], waves: Waves) -> list[tuple[float, Trend]]:
-    """Of the ways in which walls may fade, each with its shapes, those that are likely, and how likely each is."""
+def _odds(way: _Way, trend: Trend, shown: Sequence[NDArray[np.bool_]], waves: Waves) -> list[float]:
+    """How likely each part (u,) of the shapes alone makes the deviations."""
     _, rest, known = way
-    likelihood = np.array([estimated(rest, one.beside(*known), waves, ROUGHLY).likelihood for one in fadings])
-    odds = np.exp((likelihood - likelihood.max()) / DOUBT)
-    odds /= odds.sum()
-    return [(chance, one) for chance, one in zip(odds.tolist(), fadings, strict=True) if chance >= LIKELY_FADING]
+    own = np.ones(len(known[2]), np.bool_)
+    likelihood = likelihoods(rest, trend.beside(*known), waves, [np.append(own, mine) for mine in shown])
+    raw = np.exp((likelihood - likelihood.max()) / DOUBT)
+    return list((raw / raw.sum()).tolist())
+
+
+def _likely_fadings(
+    way: _Way, trend: Trend, fadings: Sequence[NDArray[np.bool_]], waves: Waves
+) -> list[tuple[float, NDArray[np.bool_]]]:
+    """Of the ways in which walls may fade, each with its shapes (u,), those that are likely, and how likely each is."""
+    every = zip(_odds(way, trend, fadings, waves), fadings, strict=True)
+    return [(chance, mine) for chance, mine in every if chance >= LIKELY_FADING]
 
 
 def _resemblances(way: _Way, trend: Trend, parts: NDArray[np.str_], waves: Waves) -> tuple[Resemblance, ...]:
     """How far what moved resembles each mechanism: by how likely each alone makes the deviations."""
     _, rest, known = way
-    moved = _moved(rest, known, trend)
-    found: list[tuple[Estimated, float]] = []
-    for one in MECHANISMS:
-        mine = np.isin(parts, one.parts)
-        only = Trend(trend.slopes[:, mine], trend.precision[mine], trend.mean[mine], trend.figures[:, mine])
-        found.append((estimated(rest, only.beside(*known), waves, ROUGHLY), _explained(moved, trend.slopes[:, mine])))
-    top = max(one.likelihood for one, _ in found)
-    raw = [exp((one.likelihood - top) / DOUBT) for one, _ in found]
+    moved, shown = _moved(rest, known, trend), [np.isin(parts, one.parts) for one in MECHANISMS]
     rows = [
-        Resemblance(one.name, chance / sum(raw), share, one.says)
-        for one, chance, (_, share) in zip(MECHANISMS, raw, found, strict=True)
+        Resemblance(one.name, chance, _explained(moved, trend.slopes[:, mine]), one.says)
+        for one, chance, mine in zip(MECHANISMS, _odds(way, trend, shown, waves), shown, strict=True)
     ]
     return tuple(sorted(rows, key=lambda row: -row.odds))
 

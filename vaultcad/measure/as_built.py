@@ -5,6 +5,7 @@ It is the same for all components, so that edges they share stay shared.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
-from vaultcad.cubic_grid import REACH, basis
+from vaultcad.cubic_grid import add_to_bands, basis
 from vaultcad.displacement import RESOLUTION, Displacement
 from vaultcad.measure.routes import as_built_distance
 
@@ -26,9 +27,8 @@ BETTER = 0.98  # of the error with a rougher field, that of the smoother one abo
 REST = 1e-2  # weight of the squared coefficients against that: what no point tells of, as motion along it, is none
 CLUTTER = 4.685  # scatters from the surface at which a point no longer counts (Tukey's biweight, 95 % efficient)
 SQUARE = 0.25  # [m], side of the cubes of points that make the surface or measure it
-MAKING, MEASURING = 10_000, 100_000  # points at the most
+MAKING, MEASURING = 6_000, 25_000  # points at the most; more tell no more, see `docs/measured.md`
 FEWEST = 100  # points from which on there is a surface
-ROUNDS = 2  # of weighing the points by how far they are
 
 
 @dataclass(frozen=True)
@@ -82,36 +82,43 @@ def displacement(points: Array, normals: Array, distances: Array) -> Displacemen
     if len(points) == 0:
         raise ValueError("no points to take a displacement from")
     grid = _Grid.over(points)
-    rows = grid.rows(points, normals)
+    rows = grid.rows(points, normals, distances)
     chosen = np.arange(len(points)) % WITHHELD == 0 if len(points) > WITHHELD else np.zeros(len(points), bool)
-    weights, roughness = np.ones(len(points)), ROUGHNESS[0]
-    if chosen.any():
-        told = grid.equations(rows, distances, np.where(chosen, 0.0, weights))
-        errors = []
-        for trial in ROUGHNESS:
-            off = np.abs(distances - rows.times(grid.solved(told, trial)))[chosen]
-            errors.append(float(np.median(off)))
-        roughness = next(r for r, error in zip(ROUGHNESS, errors, strict=True) if error * BETTER <= min(errors))
-    for _ in range(ROUNDS):
-        off = distances - rows.times(grid.solved(grid.equations(rows, distances, weights), roughness))
-        scatter = 1.4826 * float(np.median(np.abs(off))) + RESOLUTION
-        weights = np.square(np.maximum(1 - np.square(off / (CLUTTER * scatter)), 0.0))
-    found = grid.solved(grid.equations(rows, distances, weights), roughness)
+    told = grid.equations(rows, np.where(chosen, 0.0, 1.0))
+    trials = [rows.off(grid.solved(told, roughness)) for roughness in ROUGHNESS]
+    errors = [float(np.median(np.abs(off[chosen]))) if chosen.any() else 0.0 for off in trials]
+    which = next(k for k, error in enumerate(errors) if error * BETTER <= min(errors))
+    off = trials[which]
+    scatter = 1.4826 * float(np.median(np.abs(off))) + RESOLUTION
+    weights = np.square(np.maximum(1 - np.square(off / (CLUTTER * scatter)), 0.0))
+    found = grid.solved(grid.equations(rows, weights), ROUGHNESS[which])
     return grid.field(found)
 
 
 @dataclass(frozen=True)
 class _Rows:
-    """Of each point the coefficients (n, 64) that its displacement hangs on, weighted (n, 64), and normals (n, 3)."""
+    """Equations n·u = d of points, those between the same knots, which hang on the same unknowns, side by side.
 
-    index: NDArray[np.int64]
-    weight: Array
-    normals: Array
+    columns: (c, 192) unknowns of each such cell. starts: (c + 1,) where its points begin. factors: (n, 192).
+    distances: (n,) [m].
+    """
 
-    def times(self, found: Array) -> Array:
-        """n·u of all points for coefficients (count, 3)."""
-        along: Array = np.einsum("nk,nkc,nc->n", self.weight, found[self.index], self.normals)
-        return along
+    columns: NDArray[np.int64]
+    starts: NDArray[np.int64]
+    factors: Array
+    distances: Array
+
+    def cells(self) -> Iterator[tuple[NDArray[np.int64], slice]]:
+        """Unknowns of each cell, and its points."""
+        for columns, start, end in zip(self.columns, self.starts[:-1], self.starts[1:], strict=True):
+            yield columns, slice(start, end)
+
+    def off(self, found: Array) -> Array:
+        """What is left (n,) [m] with coefficients (count, 3)."""
+        unknowns, left = found.ravel(), self.distances.copy()
+        for columns, mine in self.cells():
+            left[mine] -= self.factors[mine] @ unknowns[columns]
+        return left
 
 
 @dataclass(frozen=True)
@@ -155,30 +162,24 @@ class _Grid:
         _, middle, short = self.shape[self.axes].tolist()
         return int(3 * (3 * middle * short + 3 * short + 3) + 2)
 
-    def rows(self, points: Array, normals: Array) -> _Rows:
+    def rows(self, points: Array, normals: Array, distances: Array) -> _Rows:
         """What the displacements along the normals hang on."""
         low, step = (np.ascontiguousarray(part[self.axes]) for part in (self.low, self.step))
         a, b, c = self.shape[self.axes].tolist()
         index, weight = basis(np.ascontiguousarray(points[:, self.axes]), low, step, (a, b, c))
-        return _Rows(index, weight, normals)
+        order = np.argsort(index[:, 0], kind="stable")
+        _, first = np.unique(index[order, 0], return_index=True)
+        columns = (3 * index[order[first], :, None] + np.arange(3)).reshape(len(first), -1)
+        factors = (weight[order, :, None] * normals[order, None, :]).reshape(len(points), -1)
+        return _Rows(columns, np.append(first, len(points)), factors, distances[order])
 
-    def equations(self, rows: _Rows, distances: Array, weights: Array) -> _Equations:
-        """Normal equations of n·u = d over all points, each with its weight.
-
-        The points between the same knots share their columns and are added together.
-        """
+    def equations(self, rows: _Rows, weights: Array) -> _Equations:
+        """Normal equations over all points, each with its weight."""
         bands, right = np.zeros((self.band + 1, 3 * self.count)), np.zeros(3 * self.count)
-        _, cell = np.unique(rows.index[:, 0], return_inverse=True)
-        order = np.argsort(cell, kind="stable")
-        lower, upper = np.tril_indices(3 * REACH)
-        for mine in np.split(order, np.cumsum(np.bincount(cell))[:-1]):
-            columns = (3 * rows.index[mine[0]][:, None] + np.arange(3)).ravel()
-            own = (rows.weight[mine, :, None] * rows.normals[mine, None, :]).reshape(len(mine), -1)
-            weighted = own.T * weights[mine]
-            products = weighted @ own
-            # Numbers rise with the place in the cell, so that these are all at or below the diagonal.
-            bands[columns[lower] - columns[upper], columns[upper]] += products[lower, upper]
-            right[columns] += weighted @ distances[mine]
+        for columns, mine in rows.cells():
+            weighted = rows.factors[mine].T * weights[mine]
+            add_to_bands(bands, columns, weighted @ rows.factors[mine])
+            right[columns] += weighted @ rows.distances[mine]
         return _Equations(bands, right, float(weights.sum()) / self.count)
 
     def solved(self, equations: _Equations, roughness: float) -> Array:
