@@ -74,7 +74,7 @@ def basis(points: Array, low: Array, step: Array, shape: tuple[int, int, int]) -
 
 @compiled
 def add_to_bands(bands: Array, columns: NDArray[np.int64], products: Array) -> None:
-    """Add what a symmetric matrix (k, k) has for rising columns (k,) to the lower bands (band + 1, n) of a larger one."""
+    """Add a symmetric matrix (k, k) of rising columns (k,) to the lower bands (band + 1, n) of a larger one."""
     for i in range(len(columns)):
         for j in range(i + 1):
             bands[columns[i] - columns[j], columns[j]] += products[i, j]

@@ -26,6 +26,7 @@ ROUGHLY = 5  # the same where mechanisms are told apart
 STRANGER = (
     1.5  # standard deviations are wider by this, as no movement is quite such a field; see `bench/deformation.py`
 )
+LEFT = 1e-6  # squares that are always left, as many standard deviations, so that rounding leaves no fewer than none
 USUAL_ROUGHNESS = 0.002  # m, standard deviation of a block from a smooth field
 SHARE = 1e-3  # of the likelihood, below which a field is forgotten
 
@@ -186,8 +187,7 @@ class _Fields:
     def of(cls, k: int, deviation: Array, trend: Trend, waves: Waves, every: int) -> _Fields:
         """Of the k-th length; `every`: of strengths and roughnesses, which one is taken."""
         slopes, rest = waves.vectors[k].T @ trend.slopes, waves.vectors[k].T @ deviation
-        rough, strength = np.meshgrid(ROUGHNESSES[::every] ** 2, STRENGTHS[::every] ** 2)
-        strength, rough = strength.ravel(), rough.ravel()
+        rough, strength = (part.ravel() for part in np.meshgrid(ROUGHNESSES[::every] ** 2, STRENGTHS[::every] ** 2))
         variance = strength[:, None] * waves.values[k] + rough[:, None]
         # Products of any two columns, each with weights of all fields at once: one product of matrices.
         columns = np.column_stack([slopes, rest])
@@ -195,7 +195,7 @@ class _Fields:
         products = (1 / variance) @ (columns[:, low] * columns[:, high])
         told = np.empty((len(strength), columns.shape[1], columns.shape[1]))
         told[:, low, high] = told[:, high, low] = products
-        known = np.append(trend.precision, trend.precision @ trend.mean**2)
+        known = np.append(trend.precision, trend.precision @ trend.mean**2 + LEFT)
         told[:, range(len(known)), range(len(known))] += known
         told[:, :-1, -1] += trend.precision * trend.mean
         told[:, -1, :-1] += trend.precision * trend.mean

@@ -65,12 +65,13 @@ class Sights:
 
 def readings(vault: Vault, body: Body, walls: Sights) -> list[Reading]:
     """All figures of a vault, in the order in which they are told."""
+    crown = crown_of(vault)
     return [
-        *_crown(vault),
-        *_spreads(vault, body),
-        *_supports(vault, body),
+        Reading("crown settlement", ((crown, DOWN),), ("down", "up")),
+        *_spreads(vault, body, crown),
+        *_supports(vault, body, crown),
         *_rotations(vault, walls),
-        *_quarters(vault),
+        *_quarters(vault, crown),
     ]
 
 
@@ -134,13 +135,9 @@ def wind(bearing: float) -> str:
     return WINDS[round(bearing / 45) % 8]
 
 
-def _crown(vault: Vault) -> Iterator[Reading]:
-    yield Reading("crown settlement", ((crown_of(vault), DOWN),), ("down", "up"))
-
-
-def _spreads(vault: Vault, body: Body) -> Iterator[Reading]:
+def _spreads(vault: Vault, body: Body, crown: Array) -> Iterator[Reading]:
     for axis, name in enumerate(AXES):
-        ends = _ends(vault, body, axis)
+        ends = _ends(vault, body, crown, axis)
         terms = tuple((place, way / len(side)) for side, way in ends for place in side)
         yield Reading(f"spread along {name}", terms, ("apart", "together"), ends[1][1])
     if len(vault.plan.sides) == 4:
@@ -151,9 +148,9 @@ def _spreads(vault: Vault, body: Body) -> Iterator[Reading]:
             yield Reading(f"spread of the diagonal {name}", terms, ("apart", "together"), way)
 
 
-def _supports(vault: Vault, body: Body) -> Iterator[Reading]:
+def _supports(vault: Vault, body: Body, crown: Array) -> Iterator[Reading]:
     for axis, name in enumerate(AXES):
-        (south, _), (north, way) = _ends(vault, body, axis)
+        (south, _), (north, way) = _ends(vault, body, crown, axis)
         terms = tuple((at, sign * DOWN / len(side)) for side, sign in ((north, 1), (south, -1)) for at in side)
         far = float(np.linalg.norm(north[0] - south[0]))
         yield Reading(
@@ -193,9 +190,8 @@ def _rotations(vault: Vault, walls: Sights) -> Iterator[Reading]:
             )
 
 
-def _quarters(vault: Vault) -> Iterator[Reading]:
+def _quarters(vault: Vault, crown: Array) -> Iterator[Reading]:
     low, high = (np.asarray(end) for end in vault.plan.box)
-    crown = crown_of(vault)
     for axis, name in enumerate(AXES):
         xy = np.repeat(crown[None, :2], len(QUARTERS), axis=0)
         xy[:, axis] = low[axis] + np.array(QUARTERS) * (high - low)[axis]
@@ -212,9 +208,9 @@ def _quarters(vault: Vault) -> Iterator[Reading]:
         yield Reading(f"asymmetry along {name}", terms, words, way, turns=True)
 
 
-def _ends(vault: Vault, body: Body, axis: int) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+def _ends(vault: Vault, body: Body, crown: Array, axis: int) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Places (k, 3) along the springings at both ends of an axis, each end with its way outwards (3,)."""
-    crown, found = crown_of(vault), []
+    found = []
     spots = SPOTS if len(vault.plan.sides) == 4 else np.zeros(1)
     for sign in (-1, 1):
         places = np.zeros((len(spots), 3))

@@ -109,7 +109,8 @@ def recognise(
         fitted = [judge.within(placed, 0.0 if vain else inf) for placed, vain in zip(simple, hopeless, strict=True)]
         nearest = min((h.cost for h in fitted), default=inf)
         fitted += [judge.within(placed, nearest) for placed in supple]
-    if others := [placed for h in _rivals(fitted) for placed in _other_arches(h, site, some, demands)]:
+    rivals = [] if known else _rivals(fitted)  # where a site looks like this one, the arches are those that it has
+    if others := [placed for h in rivals for placed in _other_arches(h, site, some, demands)]:
         # Stone that no hypothesis was near to, as the feet of another arch, said nothing so far.
         wider = Evidence.draw(site, 3000, rng, demands, about=[*hopeful, *others])
         judge = _Judge(wider, max(scale, WIDER), demands)

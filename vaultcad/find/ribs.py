@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from families import Vault
 from families.declaration.ribs import DIAGONAL, WALL
+from families.void import kernel
 from vaultcad.errors import NoVaultError
 from vaultcad.find.arches import OF_MEDIAN, TOGETHER, FoundArch, fitted_soffit
 from vaultcad.find.found import Found
@@ -39,6 +40,7 @@ MOST = 0.7  # share of a soffit's points that must lie on the arch that is fitte
 FOOT = 0.15  # share of a line at each end where ribs, webs and walls run into each other
 SAME = 0.03  # m; points so near the soffit's height in a step are its own
 CROSSING = 0.5  # m about the middle of a line where another rib crosses or meets it
+MARGIN = 1e-3  # m beyond the box about a plan, so that rounding loses no point over it
 CLEAR = 0.03  # m beyond the edges of a rib where its points may be
 
 
@@ -63,7 +65,8 @@ def ribs_under(placed: Placed, xyz: NDArray[np.floating]) -> tuple[SeenRib, ...]
     if len(plan.sides) != 4 or any(side.centre is not None for side in plan.sides):
         return ()
     frame = placed.pose.frame()
-    points = xyz.astype(np.float64)
+    # Of a building's points few are under one of its vaults, which is told without a copy of them all.
+    points = xyz[kernel.over_plan(np.ascontiguousarray(xyz), frame, plan.half + MARGIN, 0.0)].astype(np.float64)
     local = points @ frame[:, :3].T + frame[:, 3]
     under = (local[:, 2] > 0) & plan.holds(local[:, :2])
     found = (_rib(placed, kind, start, end, points[under], local[under]) for kind, start, end in _lines(placed.vault))

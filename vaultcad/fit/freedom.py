@@ -157,7 +157,7 @@ class _Made:
         limits = next(p.range for p in vault.parameters() if p.name == ratio)
 
         def miss(value: float) -> float:
-            return vault.replaced({ratio: value}).derived_values()[self.name] - self.length
+            return float(getattr(vault.replaced({ratio: value}), self.name)) - self.length
 
         ends = [(limits.low, miss(limits.low)), (limits.high, miss(limits.high))]
         if ends[0][1] * ends[1][1] > 0:

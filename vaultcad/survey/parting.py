@@ -67,10 +67,10 @@ class Part:
         """Which points (n, 3) [m] are its own, and no arch's; `margin` [m]: by how much those are wider."""
         found = self.grid.holds(self.held, points)
         (mine,) = np.nonzero(found)
-        height = points[mine, 2]
-        own = (height > self.bottom.ravel()[self.grid.numbers(points[mine])]) & (height < self.top)
+        over = points[mine]
+        own = (over[:, 2] > self.bottom.ravel()[self.grid.numbers(over)]) & (over[:, 2] < self.top)
         for arch in self.arches:
-            own &= ~arch.holds(points[mine], margin, REVEAL)
+            own &= ~arch.holds(over, margin, REVEAL)
         found[mine] = own
         return found
 
@@ -209,7 +209,7 @@ class _Plan:
             held = self._away(tops[k]) < np.minimum(AROUND, nearest + self.grid.cell / 1e6)
             bottom = np.nan_to_num(np.fmax.reduce(below) if below else np.full(grid.shape, np.nan), nan=-np.inf) + ABOVE
             lowest = np.array([[*np.zeros(2), float(self.height[own == k].min())]])
-            arches = tuple(soffit for soffit in soffits if soffit.parts(lowest).any())
+            arches = tuple(one for one in soffits if one.parts(lowest).any() and one.reaches(*grid.bounds, REVEAL))
             found.append(Part(grid, held, bottom, crown + ABOVE, arches))
         return found
 

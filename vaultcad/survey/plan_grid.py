@@ -29,6 +29,11 @@ class PlanGrid:
         return cls(low, cell, (int(x), int(y)))
 
     @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Its corners (2,), (2,) [m]."""
+        return self.low, self.low + self.cell * np.array(self.shape)
+
+    @property
     def middles(self) -> Array:
         """(nx * ny, 2) of the cells [m]."""
         return self.places(np.arange(self.shape[0] * self.shape[1]))

@@ -63,6 +63,11 @@ class Soffit:
         found: Mask = (np.abs(u) < self.length / 2 + along) & (np.abs(v) < self.width / 2 + across)
         return found
 
+    def reaches(self, low: Array, high: Array, margin: float) -> bool:
+        """Whether its rectangle, grown by a margin [m], may lie over some of that between two corners (2,)."""
+        away = np.maximum(np.maximum(low - self.place, self.place - high), 0.0)
+        return bool(np.hypot(*away) < np.hypot(self.length / 2 + margin, self.width / 2 + margin))
+
     def parts(self, points: Array) -> Mask:
         """Which points (n, 3) [m] are as high as the vaults that it parts, and not of a storey above or below."""
         found: Mask = (points[:, 2] > self.curve[:, 1].min() - UNDER) & (points[:, 2] < self.curve[:, 1].max() + OVER)
@@ -158,7 +163,8 @@ def _edged(soffits: list[Soffit], xyz: NDArray[np.floating]) -> Iterator[Soffit]
     """Soffits up to their edges, which the points of the scan tell: patches end before."""
     near = _near(soffits, xyz)
     for soffit in soffits:
-        yield measured(measured(soffit, near), near)  # turned, then measured
+        own = _near([soffit], near)
+        yield measured(measured(soffit, own), own)  # turned, then measured
 
 
 def measured(soffit: Soffit, points: NDArray[np.floating]) -> Soffit:

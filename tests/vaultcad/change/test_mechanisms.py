@@ -3,7 +3,7 @@ import pytest
 
 from families import FAMILIES
 from vaultcad.change.mechanisms import LARGE, MECHANISMS, PARTS, Body, shapes
-from vaultcad.change.motion import Places, Trend, Waves, estimated
+from vaultcad.change.motion import Places, Trend, Waves, estimated, likelihoods
 from vaultcad.change.places import Sights, azimuth, places, readings, wind
 
 BODY = Body(np.array([2.5, 2.0]), 2.5, 3.0)
@@ -88,3 +88,19 @@ def test_limits_hold_for_motions_that_are_waves():
         off.append((found.mean[0] - moved[150]) / found.std[0])
     assert 0.85 < np.mean(np.abs(off) < 1.96) <= 1
     assert np.std(off) > 0.5
+
+
+def test_how_likely_a_part_of_the_unknowns_is_does_not_hang_on_the_others():
+    rng = np.random.default_rng(5)
+    place = rng.uniform([-2.5, -2.5, 0], [2.5, 2.5, 1], (60, 3))
+    normal = np.tile([0.0, 0.0, 1.0], (60, 1))
+    waves = Waves.of(place, normal, Places(np.zeros(1, np.int64), place[:1], normal[:1]), 5.0)
+    trend = Trend(rng.normal(size=(60, 5)), rng.uniform(1, 1e4, 5), np.zeros(5), np.zeros((1, 5)))
+    deviation = 0.02 * trend.slopes[:, 1] + rng.normal(0, 0.002, 60)
+    masks = [rng.random(5) < 0.5 for _ in range(6)] + [np.zeros(5, np.bool_)]
+    whole = likelihoods(deviation, trend, waves, masks)
+    alone = [likelihoods(deviation, trend.only(mask), waves, [np.ones(mask.sum(), np.bool_)])[0] for mask in masks]
+    assert whole == pytest.approx(alone)
+    assert np.ptp(whole) > 1
+    nothing_left = likelihoods(np.zeros(60), trend, waves, masks)
+    assert np.isfinite(nothing_left).all()

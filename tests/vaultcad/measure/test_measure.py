@@ -7,6 +7,7 @@ import pytest
 
 from families import FAMILIES, Barrel, Groin, Sail, Semicircular, Vault
 from segmentation.cloud import Cloud
+from vaultcad.cubic_grid import add_to_bands
 from vaultcad.errors import NoVaultError
 from vaultcad.fit.label import label
 from vaultcad.fit.solve import Placed
@@ -172,3 +173,15 @@ def test_a_scan_needs_places_with_a_surface() -> None:
     along = np.random.default_rng(6).uniform(0, 5, (5000, 1)) * [1.0, 0.5, 0.2]
     with pytest.raises(NoVaultError, match="at least 100"):
         thin_scan(Cloud(along.astype(np.float32)))
+
+
+def test_products_are_added_to_the_bands_of_a_matrix_where_the_whole_of_it_has_them() -> None:
+    rng, bands, whole = np.random.default_rng(3), np.zeros((6, 12)), np.zeros((12, 12))
+    for first in (0, 2, 6):
+        columns = first + np.sort(rng.permutation(6)[:4])
+        products = rng.normal(size=(4, 4))
+        products += products.T
+        add_to_bands(bands, columns, products)
+        whole[np.ix_(columns, columns)] += products
+    for below, band in enumerate(bands):
+        assert band[: 12 - below] == pytest.approx(np.diag(whole, -below))

@@ -18,6 +18,7 @@ from vaultcad.scanner import ScannerSettings
 from vaultcad.scanner.building import Bay, Building, BuildingScan, Place, scan_building
 from vaultcad.scanner.building.rows import beside, in_row
 from vaultcad.survey.parting import Parting, parted
+from vaultcad.survey.soffits import Soffit
 from vaultcad.survey.thinned_scan import Thin, thin_scan
 
 NAVE = Groin(4, 3.5, Semicircular(), Segmental(0.4))
@@ -106,3 +107,16 @@ def test_points_on_the_faces_of_an_arch_are_its_own_as_deep_as_it_is() -> None:
     labels = label(np.array([soffit, south, north, deeper, beside_it]), [], [band])
     assert labels.arch.tolist() == [1, 1, 0, 0, 0]
     assert labels.vault.tolist() == [0] * 5
+
+
+def test_an_arch_that_reaches_no_part_of_a_plan_holds_none_of_its_points():
+    rng = np.random.default_rng(8)
+    low, high = np.array([0.0, 0.0]), np.array([3.0, 2.0])
+    xy = rng.uniform(low, high, (3000, 2))
+    reached = []
+    for _ in range(200):
+        place, (length, width) = rng.uniform(-3, 6, 2), rng.uniform([1, 0.2], [4, 1])
+        soffit = Soffit(place, float(rng.uniform(0, np.pi)), length, width, np.zeros((2, 2)))
+        reached.append(soffit.reaches(low, high, 0.3))
+        assert reached[-1] or not soffit.holds(xy, 0.05, 0.3).any()
+    assert 0.2 < np.mean(reached) < 0.9
