@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 RESOLUTION = 1e-6  # [m] to which coefficients are kept
 MOST_COEFFICIENTS = 300_000  # of one field: ten times those of a vault as large as families allow
 LARGEST = 10.0  # [m] that a coefficient may be: masonry that moved farther is no vault
+STEEPEST = 0.9  # stretch at which a field might soon fold what it moves
 ROUNDS = 6  # in which a displacement is undone: less than a micrometre is left of 3 cm where it is as steep as 0.1
 BLOCK = 1 << 16  # points that are worked on at once
 
@@ -58,7 +59,11 @@ class Displacement:
         """Of points (n, 3) [m] where they stand the places (n, 3) p in the ideal vault: p + u(p) is the point.
 
         Found by p = point - u(p), which each round brings nearer by the `steepness`.
+
+        Raises:
+            ValueError: it may fold, so that several places would come to one point.
         """
+        self.check()
         there = np.asarray(points, np.float64)
         found = there
         for _ in range(ROUNDS):
@@ -73,6 +78,16 @@ class Displacement:
             for axis in range(3)
         )
         return float(np.linalg.norm(list(slopes)))
+
+    @property
+    def may_fold(self) -> bool:
+        """Whether it is so steep that places might change their order."""
+        return self.steepness > STEEPEST
+
+    def check(self) -> None:
+        """Raise ValueError where it may fold."""
+        if self.may_fold:
+            raise ValueError(f"surface.micrometres stretch by up to {self.steepness:.2g}, where the surface may fold")
 
     def plain(self) -> dict[str, Any]:
         """As plain values, coefficients in micrometres: a line a row of the grid along z, of x, y, z by turns."""
@@ -91,7 +106,7 @@ class Displacement:
 
         Raises:
             KeyError: something is missing.
-            ValueError: a value is none that a field can have; names it.
+            ValueError: a value is none that a field can have, or the field may fold; names it.
         """
         low, step = (_three(name, told[name]) for name in ("low", "step"))
         if not (step > 0).all():
@@ -105,7 +120,9 @@ class Displacement:
         values = np.array([_row(row, 3 * nz) for row in rows], np.float64) * RESOLUTION
         if np.abs(values).max() > LARGEST:
             raise ValueError(f"surface.micrometres go beyond {LARGEST:g} m; no stone of a vault moves so far")
-        return cls(low, step, values.reshape(nx, ny, nz, 3))
+        field = cls(low, step, values.reshape(nx, ny, nz, 3))
+        field.check()
+        return field
 
     def __eq__(self, other: object) -> bool:
         return self._values == other._values if isinstance(other, Displacement) else NotImplemented

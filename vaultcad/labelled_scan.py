@@ -103,4 +103,10 @@ def read_labelled_scan(folder: Path | str) -> LabelledScan:
     whole = {name: np.concatenate(values) for name, values in parts.items()}
     if whole["vault"].max(initial=0) > len(model.vaults) or whole["arch"].max(initial=0) > len(model.arches):
         raise ModelFileError(f"{path}: has labels of more vaults than {MODEL}; give both files of one fit")
+    for kind, fitted in (("vault", model.vaults), ("arch", model.arches)):
+        shown = np.bincount(whole[kind], minlength=len(fitted) + 1)[1:].tolist()
+        for number, (points, one) in enumerate(zip(shown, fitted, strict=True), 1):
+            if points != (told := sum(component.points for component in one.components)):
+                said = f"{path}: has {points:,} points of {kind} {number}, {MODEL} tells of {told:,}"
+                raise ModelFileError(f"{said}; give both files of one fit")
     return LabelledScan(model, **whole)

@@ -76,6 +76,7 @@ class Vault(Parametric):
     stands_over: ClassVar[str] = RECTANGLE  # shape of the ground that a fit looks for it over, of `footprint.SHAPES`
 
     supple: ClassVar[bool] = False  # whether it bends so far that it passes for others: a fit tries it where they fail
+    pliant: ClassVar[bool] = False  # whether its webs take up a movement by their own shape: one scan tells none
 
     variants: ClassVar[tuple[str, ...]] = ()  # whole numbers that say which of several kinds it is: a fit tries each
 

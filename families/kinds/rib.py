@@ -85,6 +85,7 @@ class Rib(Vault):
     }
     quarter_turn: ClassVar[Symmetry | None] = Symmetry(exchanged=("x", "y"))
     supple: ClassVar[bool] = True
+    pliant: ClassVar[bool] = True
     constraints: ClassVar[tuple[Constraint, ...]] = (
         Constraint("straight-ridges", "the ridges are straight", {"ridge_bow": 0.0}, begins=_bent, rare=True),
         Constraint("level-ridges", "the wall arches are as high as the crown", follows=_level_ridges),

@@ -42,6 +42,7 @@ class Umbrella(Vault):
     roof_type: ClassVar[str] = "DOME_ROOF"
     ratios: ClassVar[Mapping[str, str]] = {"rise": "rise_ratio_diagonal", "arch_rise": "rise_ratio"}
     quarter_turn: ClassVar[Symmetry | None] = None
+    pliant: ClassVar[bool] = True
     arch_kinds: ClassVar[Mapping[str, tuple[type[Profile], ...]]] = {
         "profile": UNSTILTED,  # on a stilt a web would not meet its ribs
         "profile_diagonal": UNSTILTED,

@@ -23,7 +23,9 @@ def left(folder: Path, model: Model, cloud: Cloud, labels: Labels) -> Model:
     ends = cloud.in_file(np.array([cloud.xyz.min(axis=0), cloud.xyz.max(axis=0)]))
     settings = {"up": cloud.up, "scale": cloud.scale.tolist()}
     model = replace(model, origin=cloud.origin, bounds=np.sort(ends, axis=0), unit=float(cloud.scale[0]))
-    model = replace(model, settings=settings)
+    counts = np.bincount(labels.component[labels.vault > 0], minlength=len(model.vaults[0].components) + 1)
+    components = tuple(replace(one, points=int(counts[one.id])) for one in model.vaults[0].components)
+    model = replace(model, settings=settings, vaults=(replace(model.vaults[0], components=components),))
     folder.mkdir()
     write_model(model, folder / MODEL)
     assert cloud.source is not None
@@ -66,7 +68,12 @@ def test_a_folder_that_is_no_result_is_refused(tmp_path, make_model, vault_scan)
     left(tmp_path / "out", make_model("groin"), cloud, replace(labels, vault=labels.vault + 1))
     with pytest.raises(ModelFileError, match="labels of more vaults"):
         read_labelled_scan(tmp_path / "out")
-    las = laspy.read(tmp_path / "out" / SEGMENTS)
+    left(tmp_path / "other", make_model("groin"), cloud, labels)
+    las = laspy.read(tmp_path / "other" / SEGMENTS)
+    las.points = las.points[1:]
+    las.write(tmp_path / "other" / SEGMENTS)
+    with pytest.raises(ModelFileError, match=r"has 3,999 points of vault 1, model\.json tells of 4,000"):
+        read_labelled_scan(tmp_path / "other")
     las.points = las.points[:0]
     las.write(tmp_path / "out" / SEGMENTS)
     with pytest.raises(ModelFileError, match="has no points"):

@@ -1,14 +1,16 @@
 """The ways in which vaults are known to give, each as a few displacement fields whose sizes a reading estimates.
 
-Nobody knows how a movement fades down a wall or up a haunch: each mechanism has several shapes, and which mixture of
-them it is the scan says. Spreading abutments let the crown sink (Heyman, "The stone skeleton", 1995; Ochsendorf, "The
-masonry arch on spreading supports", 2006), so that mechanism has the shapes of a sinking crown, too.
+Nobody knows how a movement fades down a wall or up a haunch: each mechanism has several shapes, and which of them it is
+the scan says. Walls of a room fade in one way: given all at once, shapes that hardly differ where stone is seen would
+part at the springing, where none is. Spreading abutments let the crown sink (Heyman, "The stone skeleton", 1995;
+Ochsendorf, "The masonry arch on spreading supports", 2006), so that mechanism has the shapes of a sinking crown, too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +20,7 @@ Array = NDArray[np.float64]
 LARGE = 0.05  # m, standard deviation of all shapes of a part beforehand: vaults that stand have moved by centimetres
 SHORT = 0.75  # m below the springing in which a movement of walls may fade
 TWICE = 2.0  # times that, or to the floor
+EVERY_WAY = -1  # of a shape that is there however walls fade
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,8 @@ class Body:
     depth: float
 
 
-Fields = Callable[[Array, Body], Iterator[Array]]
+Fields = Callable[[Array, Body], Iterator[tuple[int, Array]]]
+"""Fields (n, 3) at points (n, 3), each with the number of the way in which walls fade that it has."""
 
 
 def _upwards(points: Array, body: Body) -> Array:
@@ -49,51 +53,54 @@ def _along(axis: int, values: Array) -> Array:
     return field
 
 
-def _fading(points: Array, body: Body) -> Iterator[Array]:
+def _fading(points: Array, body: Body) -> Iterator[tuple[int, Array]]:
     """From 1 at the springing to 0 at the crown, and down the walls: with a hinge at the springing, and without.
+
+    Each with its number; the last two bend the vault alone.
 
     Halves of an arch that turn as bodies move in proportion to the height, as walls do that turn about their foot.
     """
     up, below = _upwards(points, body), points[:, 2] < 0
-    for end in sorted({min(reach, body.depth) for reach in (SHORT, TWICE * SHORT, body.depth)}):
+    ends = sorted({min(reach, body.depth) for reach in (SHORT, TWICE * SHORT, body.depth)})
+    for k, end in enumerate(ends):
         down = np.clip(1 + points[:, 2] / end, 0, 1)
-        for fading in (down, down**2 * (3 - 2 * down)):
-            yield np.where(below, fading, 1 - up)
-    yield up * (1 - up)
-    yield up**2 * (1 - up)
+        for smooth, fading in enumerate((down, down**2 * (3 - 2 * down))):
+            yield 2 * k + smooth, np.where(below, fading, 1 - up)
+    yield EVERY_WAY, up * (1 - up)
+    yield EVERY_WAY, up**2 * (1 - up)
 
 
 def _spreading(axis: int) -> Fields:
-    def fields(points: Array, body: Body) -> Iterator[Array]:
-        for fading in _fading(points, body):
-            yield _along(axis, _over_plan(points, body, axis) * fading)
+    def fields(points: Array, body: Body) -> Iterator[tuple[int, Array]]:
+        for way, fading in _fading(points, body):
+            yield way, _along(axis, _over_plan(points, body, axis) * fading)
 
     return fields
 
 
 def _leaning(axis: int) -> Fields:
-    def fields(points: Array, body: Body) -> Iterator[Array]:
-        for fading in _fading(points, body):
-            yield _along(axis, fading)
+    def fields(points: Array, body: Body) -> Iterator[tuple[int, Array]]:
+        for way, fading in _fading(points, body):
+            yield way, _along(axis, fading)
 
     return fields
 
 
-def _sinking(points: Array, body: Body) -> Iterator[Array]:
+def _sinking(points: Array, body: Body) -> Iterator[tuple[int, Array]]:
     up = _upwards(points, body)
     x, y = (1 - _over_plan(points, body, axis) ** 2 for axis in (0, 1))
     for across in (x, x**2, y, y**2, x * y, (x * y) ** 2):
-        yield _along(2, -across * up)
-        yield _along(2, -across * up**2)
+        yield EVERY_WAY, _along(2, -across * up)
+        yield EVERY_WAY, _along(2, -across * up**2)
 
 
-def _tilting(points: Array, body: Body) -> Iterator[Array]:
+def _tilting(points: Array, body: Body) -> Iterator[tuple[int, Array]]:
     for axis in (0, 1):
-        yield _along(2, -_over_plan(points, body, axis))
+        yield EVERY_WAY, _along(2, -_over_plan(points, body, axis))
 
 
-def _twisting(points: Array, body: Body) -> Iterator[Array]:
-    yield _along(2, -_over_plan(points, body, 0) * _over_plan(points, body, 1))
+def _twisting(points: Array, body: Body) -> Iterator[tuple[int, Array]]:
+    yield EVERY_WAY, _along(2, -_over_plan(points, body, 0) * _over_plan(points, body, 1))
 
 
 PARTS: Mapping[str, Fields] = {
@@ -142,7 +149,21 @@ MECHANISMS: tuple[Mechanism, ...] = (
 )
 
 
-def shapes(points: Array, body: Body) -> tuple[Array, NDArray[np.str_]]:
-    """All fields of `PARTS` at points (n, 3) in the vault's frame: (n, k, 3) [m], of unit size; and whose each is."""
-    found = [(name, field) for name, fields in PARTS.items() for field in fields(points, body)]
-    return np.stack([field for _, field in found], axis=1), np.array([name for name, _ in found])
+class Shapes(NamedTuple):
+    """All fields of `PARTS` at points: (n, k, 3) [m], of unit size; (k,) whose each is, and (k,) how it fades."""
+
+    fields: Array
+    part: NDArray[np.str_]
+    fading: NDArray[np.int64]
+
+    def alternatives(self) -> list[NDArray[np.bool_]]:
+        """The shapes (k,) of each way in which walls may fade."""
+        ways = range(int(self.fading.max()) + 1)
+        return [(self.fading == way) | (self.fading == EVERY_WAY) for way in ways]
+
+
+def shapes(points: Array, body: Body) -> Shapes:
+    """Those at points (n, 3) in the vault's frame [m]."""
+    found = [(name, way, field) for name, fields in PARTS.items() for way, field in fields(points, body)]
+    names, ways, all_ = zip(*found, strict=True)
+    return Shapes(np.stack(all_, axis=1), np.array(names), np.array(ways, np.int64))

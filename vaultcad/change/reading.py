@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from vaultcad.change.mechanisms import MECHANISMS, PARTS, Body, shapes
 from vaultcad.change.motion import Trend, Waves, estimated, honest, likelihoods, mixed
 from vaultcad.change.places import Sights, movement_of, places, readings
+from vaultcad.change.strays import without_strays
 from vaultcad.deformation import Against, Deformation, Resemblance
 from vaultcad.find.choices import Choice
 from vaultcad.find.likelihood import DOUBT, ENOUGH, near_edges, secants
@@ -39,9 +41,10 @@ STRANGE = (
 HINTS = (
     "How webs such as these moved cannot be told from one scan: the figures are hints, their limits may be too narrow."
 )
-SUPPLE = 5.0  # standard deviations are wider by this where webs give way to a movement; see `docs/measured.md`
+PLIANT = 5.0  # standard deviations are wider by this where webs give way to a movement; see `docs/measured.md`
 UNWEIGHED = 3.0  # standard deviations are wider by this where no way of building could be weighed
 LIKELY, MOST_WAYS = 0.02, 4  # chance of a way of building, below which it does not count, and how many do at most
+LIKELY_FADING = 0.05  # chance of a way in which walls fade, below which it does not count
 CAUTION = (
     "A scan shows where the stone stands, not how it came there: what looks like a movement may have been built so.",
     "A settlement of all supports alike, walls that moved bodily, and motion along the surface cannot be seen.",
@@ -71,6 +74,7 @@ class _Stone:
         residuals = placed.distance(evidence.points)
         weights = evidence.weights / (1 + (residuals / WIDEST) ** 2) ** 2
         blocks = Partition.of(placed, evidence.points, weights * ~near_edges(placed, evidence.points, ROUNDED), BLOCKS)
+        blocks = without_strays(blocks, residuals)
         mean = blocks.means(residuals[:, None])[:, 0]
         usable = (blocks.weight > 0) & (np.abs(mean) < FARTHEST)
         if usable.sum() < ENOUGH:
@@ -84,7 +88,7 @@ class _Stone:
         """Without blocks that no shape of a mechanism and no other size of the vault explains: furniture, frames."""
         solution = self.refined.loose
         rest, known = _way(self, solution)
-        fields, parts = shapes(self.place, self.body)
+        fields, parts, _ = shapes(self.place, self.body)
         slopes = np.einsum("mkc,mc->mk", fields, self.normal)
         none = np.empty((0, slopes.shape[1]))
         whole = Trend.of_shapes(slopes, none, parts).beside(*known)
@@ -150,32 +154,39 @@ def read_deformation(
     vault, yaw = refined.placed.vault, refined.placed.pose.yaw
     wanted = readings(vault, stone.body, stone.walls)
     at = places(wanted)
-    fields, parts = shapes(stone.place, stone.body)
-    there, _ = shapes(at.place, stone.body)
-    seen, figures = np.einsum("mkc,mc->mk", fields, stone.normal), at.sums(np.einsum("pkc,pc->pk", there, at.way))
+    shown = shapes(stone.place, stone.body)
+    there, parts = shapes(at.place, stone.body).fields, shown.part
+    seen, figures = np.einsum("mkc,mc->mk", shown.fields, stone.normal), at.sums(np.einsum("pkc,pc->pk", there, at.way))
     trend = Trend.of_shapes(seen, figures, parts)
     waves = Waves.of(stone.place, stone.normal, at, vault.plan.width)
     deviation = stone.means(refined.placed.distance(refined.points)[:, None])[:, 0]
 
-    wider = (SUPPLE if vault.supple else 1.0) * (1.0 if choices else UNWEIGHED)
+    wider = (PLIANT if vault.pliant else 1.0) * (1.0 if choices else UNWEIGHED)
 
     def told(id: str, reference: str, mean: Array, std: Array) -> Against:
         figures = zip(wanted, mean, honest(np.hypot(wider * std, stone.misfit), registration), strict=True)
         return Against(id, reference, tuple(movement_of(one, m, s, yaw) for one, m, s in figures))
 
-    fitted = estimated(deviation, trend, waves)
     ways = _ways(stone, choices, demands)
-    built = [(chance, estimated(rest, trend.beside(*known), waves)) for chance, rest, known in ways]
+    fadings = [
+        (odds, Trend.of_shapes(seen[:, mine], figures[:, mine], parts[mine]))
+        for odds, mine in _likely_fadings(ways[0], trend, shown.alternatives(), waves)
+    ]
+    fitted = [(odds, estimated(deviation, fading, waves)) for odds, fading in fadings]
+    built = [
+        (chance * odds, estimated(rest, fading.beside(*known), waves))
+        for (chance, rest, known), (odds, fading) in product(ways, fadings)
+    ]
     against = [
         told("built", _built_words(choices), *mixed(built)),
-        told("fitted", "the ideal vault as it was fitted", fitted.mean, fitted.std),
+        told("fitted", "the ideal vault as it was fitted", *mixed(fitted)),
     ]
     if surface is not None:
         left = deviation - np.einsum("mc,mc->m", surface(stone.place), stone.normal)
         local = estimated(left, trend.only(np.zeros(len(parts), np.bool_)), waves)
         against.append(told("as_built", "the smooth surface through the stone as it stands", local.mean, local.std))
     resembles = _resemblances(ways[0], trend, parts, waves)
-    if vault.supple:
+    if vault.pliant:
         return Deformation(tuple(against), (), HINTS, _caution(stone, choices))
     return Deformation(tuple(against), resembles, _verdict(against[0], resembles), _caution(stone, choices))
 
@@ -208,18 +219,30 @@ def _way(stone: _Stone, solution: Solution) -> tuple[Array, tuple[Array, Array, 
     return residual, (stone.means(secants(solution, stone.refined.points)), *beforehand(solution))
 
 
+def _odds(way: _Way, trend: Trend, shown: Sequence[NDArray[np.bool_]], waves: Waves) -> list[float]:
+    """How likely each part (u,) of the shapes alone makes the deviations."""
+    _, rest, known = way
+    own = np.ones(len(known[2]), np.bool_)
+    likelihood = likelihoods(rest, trend.beside(*known), waves, [np.append(own, mine) for mine in shown])
+    raw = np.exp((likelihood - likelihood.max()) / DOUBT)
+    return list((raw / raw.sum()).tolist())
+
+
+def _likely_fadings(
+    way: _Way, trend: Trend, fadings: Sequence[NDArray[np.bool_]], waves: Waves
+) -> list[tuple[float, NDArray[np.bool_]]]:
+    """Of the ways in which walls may fade, each with its shapes (u,), those that are likely, and how likely each is."""
+    every = zip(_odds(way, trend, fadings, waves), fadings, strict=True)
+    return [(chance, mine) for chance, mine in every if chance >= LIKELY_FADING]
+
+
 def _resemblances(way: _Way, trend: Trend, parts: NDArray[np.str_], waves: Waves) -> tuple[Resemblance, ...]:
     """How far what moved resembles each mechanism: by how likely each alone makes the deviations."""
     _, rest, known = way
-    moved, own = _moved(rest, known, trend), np.ones(len(known[2]), np.bool_)
-    shown = [np.isin(parts, one.parts) for one in MECHANISMS]
-    likelihood = likelihoods(rest, trend.beside(*known), waves, [np.append(own, mine) for mine in shown])
-    raw = np.exp((likelihood - likelihood.max()) / DOUBT)
-    odds = (raw / raw.sum()).tolist()
-    shares = [_explained(moved, trend.slopes[:, mine]) for mine in shown]
+    moved, shown = _moved(rest, known, trend), [np.isin(parts, one.parts) for one in MECHANISMS]
     rows = [
-        Resemblance(one.name, chance, share, one.says)
-        for one, chance, share in zip(MECHANISMS, odds, shares, strict=True)
+        Resemblance(one.name, chance, _explained(moved, trend.slopes[:, mine]), one.says)
+        for one, chance, mine in zip(MECHANISMS, _odds(way, trend, shown, waves), shown, strict=True)
     ]
     return tuple(sorted(rows, key=lambda row: -row.odds))
 
@@ -255,10 +278,10 @@ def _caution(stone: _Stone, choices: Sequence[Choice]) -> tuple[str, ...]:
             "No way in which it may have been built could be weighed against others: what the fit holds of its shape "
             f"may be false. All limits are {UNWEIGHED:g} times as wide."
         )
-    if stone.refined.placed.vault.supple:
+    if stone.refined.placed.vault.pliant:
         doubts.append(
             "Webs such as these take up a movement by their own shape: a fall of the crown can pass for a spread. "
-            f"All limits are {SUPPLE:g} times as wide."
+            f"All limits are {PLIANT:g} times as wide."
         )
     if stone.misfit > 0:
         doubts.append(

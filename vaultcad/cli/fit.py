@@ -12,18 +12,16 @@ import typer
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from segmentation.cloud import Cloud
-    from vaultcad.pipeline import FitSettings
 
 from vaultcad.cli.ahead import SOLIDS, importing
 from vaultcad.cli.errors import InputError, refusing
 from vaultcad.cli.further import Further
 from vaultcad.cli.nurbs import NET, tell
-from vaultcad.cli.options import AsBuilt, Axis, Bounds, Force, Seed, number_info, single
+from vaultcad.cli.options import AsBuilt, Bounds, Force, Seed, number_info, single
 from vaultcad.cli.outputs import check_folder, show_kept
-from vaultcad.cli.reading import Columns, KeepMarked, Origin, Unit, doubts, has_up, read_scan, show_notes
+from vaultcad.cli.reading import Columns, KeepMarked, Origin, Unit, has_up, read_scan, show_notes
+from vaultcad.cli.standing import Standing, axis_read, fit_standing
 from vaultcad.cli.status import status
-from vaultcad.errors import NoVaultError
 
 STAGES = ("reading", "thinning", "finding", "labelling", "measuring", "writing")
 Thickness = Annotated[float, number_info("thickness", Bounds(0.01, 5, "m", "of the masonry, which no scan shows"))]
@@ -40,13 +38,7 @@ def fit(
     family: Annotated[
         str, typer.Option(metavar="NAME", help="auto, or what the vault is, in any language: see vaultcad families.")
     ] = "auto",
-    up: Annotated[
-        Literal[Axis, "auto"] | None,
-        typer.Option(
-            help="The axis that is up in the scan; auto tries all, and takes longer. By default z; where the format"
-            " tells of none and nothing stands with z up, y and -y are tried."
-        ),
-    ] = None,
+    up: Standing = None,
     unit: Unit = None,
     columns: Columns = None,
     origin: Origin = None,
@@ -105,7 +97,7 @@ def fit(
         bar.stage("reading")
         cloud = read_scan(
             scan,
-            up="z" if up is None or up == "auto" else up,
+            up=axis_read(up),
             unit=unit,
             columns=columns,
             origin=origin,
@@ -114,24 +106,10 @@ def fit(
         )
 
         from vaultcad.export.bundle import write_all
-        from vaultcad.pipeline import FitSettings, fit_scan
+        from vaultcad.pipeline import FitSettings
 
         settings = FitSettings(families, seed, thickness, fixed, freed)
-        try:
-            if up == "auto":
-                import numpy as np
-
-                from vaultcad.find.upright import stand_up
-
-                bar.stage("standing up")
-                cloud = stand_up(cloud, np.random.default_rng(seed), families=families)
-            result = fit_scan(cloud, settings, progress=bar.stage)
-        except NoVaultError as error:
-            if up is not None or has_up(scan):
-                raise NoVaultError("; ".join([str(error), *doubts(cloud.notes)])) from error
-            bar.stage("standing up")
-            cloud = _stood_otherwise(cloud, settings, error)
-            result = fit_scan(cloud, settings, progress=bar.stage)
+        cloud, result = fit_standing(cloud, settings, up, upright=has_up(scan), stage=bar.stage)
         more, surfaces = further.writers(result, cloud, bar.stage)
         bar.stage("writing")
         labels = result.labels
@@ -163,27 +141,6 @@ def fit(
         show_summary(result.model, out)
         if surfaces is not None:
             tell(surfaces)
-
-
-def _stood_otherwise(cloud: Cloud, settings: FitSettings, refusal: NoVaultError) -> Cloud:
-    """A scan in which nothing stands with z up, with another axis up, which is told.
-
-    Raises:
-        NoVaultError: nothing stands so either; says what was wrong with z up.
-    """
-    from dataclasses import replace
-
-    import numpy as np
-
-    from segmentation.notes import Note
-    from vaultcad.find.upright import PHONES, stand_up
-
-    try:
-        stood: Cloud = stand_up(cloud, np.random.default_rng(settings.seed), families=settings.families, axes=PHONES)
-    except NoVaultError:
-        raise NoVaultError("; ".join([str(refusal), *doubts(cloud.notes)])) from refusal
-    text = f"up: {stood.up} is taken for up, for nothing stands with z up; --up says otherwise"
-    return replace(stood, notes=(*stood.notes, Note("up-assumed", text)))
 
 
 def _families(name: str) -> Any:

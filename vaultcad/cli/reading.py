@@ -56,14 +56,21 @@ def read_scan(
         InputError: an option does not suit the file.
     """
     from segmentation.io.formats import READERS, read
-    from segmentation.io.text import read_text
 
     if origin is not None and not all(abs(v) <= FARTHEST for v in origin):
         raise InputError(f"--origin {' '.join(f'{v:g}' for v in origin)}: is no place on earth; give metres")
-    if columns is not None and READERS.get(scan.suffix.lower()) not in (None, read_text):
-        texts = ", ".join(suffix for suffix, reader in READERS.items() if reader is read_text)
+    if columns is not None and not is_text(scan) and scan.suffix.lower() in READERS:
+        texts = ", ".join(suffix for suffix in READERS if is_text(scan.with_suffix(suffix)))
         raise InputError(f"--columns {columns}: {scan.suffix} files name their own; it is for {texts}")
     return read(scan, up=up, unit=unit, columns=columns, origin=origin, keep_marked=keep_marked, progress=progress)
+
+
+def is_text(scan: Path) -> bool:
+    """Whether it is a text, whose columns may mean anything."""
+    from segmentation.io.formats import READERS
+    from segmentation.io.text import read_text
+
+    return READERS.get(scan.suffix.lower()) is read_text
 
 
 def has_up(scan: Path) -> bool:

@@ -21,7 +21,6 @@ from vaultcad.export.mesh_borders import Floats
 from vaultcad.model import Assembly, PlacedVault
 
 GRAIN = 0.5  # [m], longest side of a displaced triangle, which is then within about 1 mm of a settlement of 3 cm
-STEEPEST = 0.9  # stretch of a displacement at which it might soon fold what it moves
 
 AS_BUILT = "as built"
 
@@ -58,8 +57,7 @@ def names_of(model: Assembly, placed: PlacedVault) -> list[tuple[str, Displaceme
 def _solid(vault: Vault, thickness: float, surface: Displacement) -> Any:
     from families.solid.displaced import displaced
 
-    if surface.steepness > STEEPEST:
-        raise ValueError(f"the as-built surface stretches by up to {surface.steepness:.2g}, where it may fold")
+    surface.check()
     return displaced(masonry(vault, thickness), surface)
 
 

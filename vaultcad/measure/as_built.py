@@ -50,7 +50,7 @@ def as_built(
 
     Space is parted into cubes like a chessboard: thinned points in the black ones make the surface, others in the white
     ones measure it. Points farther than `tolerance` [m] from the ideal vault, as on the faces of an arch, are not its.
-    None where they are too few.
+    None where they are too few, or so far from it that the surface may fold.
     """
     black = rng.permutation(np.flatnonzero(_is_black(thinned)))[:MAKING]
     white = np.sort(rng.permutation(np.flatnonzero(~_is_black(points)))[:MEASURING])
@@ -60,6 +60,8 @@ def as_built(
         return None
     distances, normals = here.distance[near], here.normal[near]
     surface = displacement(thinned[black[near]] - distances[:, None] * normals, normals, distances)
+    if surface.may_fold:
+        return None
     return AsBuilt(surface, white, as_built_distance(vault, surface, points[white]))
 
 

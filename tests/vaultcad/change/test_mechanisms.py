@@ -15,13 +15,27 @@ def test_every_mechanism_is_made_of_parts_that_there_are():
 
 def test_no_shape_moves_the_foot_of_a_wall_but_by_tilt_and_twist():
     foot = np.array([[2.5, 0.3, -3.0], [-1.0, 2.0, -3.0]])
-    fields, parts = shapes(foot, BODY)
+    fields, parts, _ = shapes(foot, BODY)
     assert np.abs(fields[:, ~np.isin(parts, ["tilt", "twist"])]).max() < 1e-12
+
+
+def test_walls_fade_in_one_way_at_a_time_and_what_does_not_fade_is_always_there():
+    at = np.random.default_rng(1).uniform([-2.5, -2, -3], [2.5, 2, 2.5], (200, 3))
+    shown = shapes(at, BODY)
+    ways = np.array(shown.alternatives())
+    assert len(ways) == 6
+    fades = shown.fading >= 0
+    assert (ways.sum(axis=0) == np.where(fades, 1, len(ways))).all()
+    for mine in ways:
+        faded = shown.part[mine & fades].tolist()
+        assert faded == ["spread x", "spread y", "lean x", "lean y"]
+    shallow = shapes(at, Body(BODY.half, BODY.rise, 0.5))  # all reach as far down as walls are seen
+    assert len(shallow.alternatives()) == 2
 
 
 def test_shapes_are_of_unit_size():
     at = np.random.default_rng(1).uniform([-2.5, -2, -3], [2.5, 2, 2.5], (3000, 3))
-    size = np.linalg.norm(shapes(at, BODY)[0], axis=2).max(axis=0)
+    size = np.linalg.norm(shapes(at, BODY).fields, axis=2).max(axis=0)
     assert (size <= 1 + 1e-9).all()
 
 

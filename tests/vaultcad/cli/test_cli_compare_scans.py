@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+import laspy
 import numpy as np
 import pytest
 
@@ -27,13 +28,22 @@ def test_a_crown_that_sank_is_told_in_words_and_files(run, pair, tmp_path):
     assert (tmp_path / "out" / "change.json").is_file()
 
 
-def test_folders_of_fits_are_read_in_place_of_scans(run, pair, tmp_path):
+def test_folders_of_fits_are_read_in_place_of_scans_and_texts_as_they_are_said_to_be(run, pair, tmp_path):
     assert run("fit", pair[0], "-o", tmp_path / "fit", "--family", "barrel").code == 0
+    x, y, z = 1000 * np.asarray(laspy.read(pair[1]).xyz).T
+    np.savetxt(tmp_path / "after.csv", np.column_stack([z, -y, x]), fmt="%.1f", delimiter=",")
+    how = ("--registered", "--up", "y", "--unit", "mm", "--columns", "y,z,x")
+    told = run("compare-scans", tmp_path / "fit", tmp_path / "after.csv", "-o", tmp_path / "text", *how)
+    assert told.code == 0, told.err
+    words = told.out.splitlines()[0]
+    assert "the crown went down by" in words
     told = run("compare-scans", tmp_path / "fit", pair[1], "-o", tmp_path / "out", "--registered")
     assert told.code == 0, told.err
-    assert "the crown went down by" in told.out
+    assert told.out.splitlines()[0] == words
     refused = run("compare-scans", tmp_path / "fit", pair[1], "-o", tmp_path / "fit")
     assert "name another folder" in refused.complaint
+    refused = run("compare-scans", tmp_path / "fit", tmp_path / "fit", "-o", tmp_path / "none", "--unit", "mm")
+    assert "--unit: says how a scan is read" in refused.complaint
 
 
 def test_what_is_missing_or_in_the_way_is_refused(run, pair, tmp_path):

@@ -96,7 +96,7 @@ def test_the_as_built_surface_follows_the_stone_not_the_clutter_and_bridges_a_ho
     surface = displacement(foot[fit], seen.normal[fit], clutter[fit])
     off = np.abs(as_built_distance(vault, surface, stone))
     assert off[fit].mean() < 0.0015
-    assert np.quantile(off[hole & known], 0.95) < 0.015
+    assert off[hole & known].max() < 0.015
     assert surface.steepness < 0.3
 
 
