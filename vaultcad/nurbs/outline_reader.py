@@ -7,6 +7,7 @@ has at its crown, it is two fields of surface that meet there.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from math import cos, radians
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from families import Vault
 from families.declaration.pieces import BarrelPart, Lid, Part, Turned
 from families.declaration.units import MM
+from vaultcad.errors import NoSurfaceError
 from vaultcad.nurbs.chart_choice import chart_of
 from vaultcad.nurbs.outline import Edge, Face, Outline, Region
 
@@ -26,17 +28,22 @@ Array = NDArray[np.float64]
 CREASE = cos(radians(5.0))  # of the angle between two faces of a component, from which on they are no one surface
 APART = 0.06  # m, distance of nodes along an edge
 FEWEST, MOST = 9, 129  # nodes of an edge
+KEPT = 4  # outlines that are remembered
 
 
+@lru_cache(maxsize=KEPT)
 def outline_of(vault: Vault) -> Outline:
     """The outline of a vault's intrados.
 
     Raises:
-        ValueError: OpenCASCADE cannot build it.
+        NoSurfaceError: OpenCASCADE cannot build it.
     """
     from families.solid import brep
 
-    shape = brep.surface(vault)
+    try:
+        shape = brep.surface(vault)
+    except ValueError as error:
+        raise NoSurfaceError(str(error)) from error
     names = [(face, name) for face, name in brep.face_names(shape, vault) if name in vault.components]
     return _Reader(vault, names).outline()
 
