@@ -40,7 +40,7 @@ def nurbs(
     from vaultcad.labelled_scan import read_labelled_scan
     from vaultcad.nurbs.route import free_route
 
-    route = free_route(read_labelled_scan(result), net, sorted({*(vault or ())}))
+    route = free_route(read_labelled_scan(result, labelled=True), net, sorted({*(vault or ())}))
     kept = write_nurbs(route, out, force=force)
     tell(route)
     show_kept(kept)

@@ -56,7 +56,7 @@ def unroll(
     check_result(out, [UNROLLED], inputs=[result], force=force)
     with status(STAGES) as bar:
         bar.stage("reading")
-        scan = read_labelled_scan(result)
+        scan = read_labelled_scan(result, labelled=True)
         bar.stage("laying flat")
         with replacing_folder(out, force=force) as place:
             written = write_maps(
@@ -94,7 +94,7 @@ def _bring_back(result: Path, drawn: Path, out: Path, vault: int | None) -> None
     lines = read_lines(drawn)
     with status(STAGES) as bar:
         bar.stage("reading")
-        scan = read_labelled_scan(result)
+        scan = read_labelled_scan(result, labelled=True)
         if vault is None and len(scan.model.vaults) > 1:
             raise InputError(f"{drawn}: say on whose sheet it was drawn, --vault 1 to {len(scan.model.vaults)}")
         bar.stage("laying flat")

@@ -20,7 +20,7 @@ from vaultcad.one_thread import one_thread
 from vaultcad.uncertain import Deviation
 
 NET = 0.25  # m, distance of the lines of a net, unless another is asked for
-MOST_POINTS = 500_000  # of a vault that make its surfaces, evenly over the scan; a cell of them has its fill of fewer
+MOST_POINTS = 300_000  # of a vault that make its surfaces, evenly over the scan; a cell of them has its fill of fewer
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from segmentation.cloud import Up, turn_back
 from vaultcad.errors import ExportError
 from vaultcad.labelled_scan import LabelledScan
+from vaultcad.one_thread import one_thread
 from vaultcad.unrolled.drawn_lines import DrawnLine, LiftedLine
 from vaultcad.unrolled.raster import LaidScan, lay_scan
 
@@ -19,6 +20,7 @@ CELL = 0.02  # [m] over which the deviation is taken, with the cells around
 Array = NDArray[np.float64]
 
 
+@one_thread
 def lift_lines(scan: LabelledScan, number: int, lines: Sequence[DrawnLine]) -> tuple[list[LiftedLine], list[str]]:
     """Lines on the sheet of a vault, by its 1-based number, in the coordinates of the scan's file; and what to know.
 
