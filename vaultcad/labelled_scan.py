@@ -93,10 +93,10 @@ def read_labelled_scan(folder: Path | str, *, labelled: bool = False) -> Labelle
         if lacking := set(LABELS) - set(reader.header.point_format.dimension_names):
             raise ModelFileError(f"{path}: has no dimension {min(lacking)}; give what vaultcad fit wrote")
         colored = "red" in reader.header.point_format.dimension_names
-        for points in las_points(path, reader):
-            read += len(points)
-            if labelled:
-                points = points[(np.asarray(points["vault"]) > 0) | (np.asarray(points["arch"]) > 0)]
+        for chunk in las_points(path, reader):
+            read += len(chunk)
+            own = (np.asarray(chunk["vault"]) > 0) | (np.asarray(chunk["arch"]) > 0) if labelled else slice(None)
+            points = chunk[own]
             xyz = np.column_stack([points.x, points.y, points.z]) * scale
             found: dict[str, NDArray[Any]] = {name: np.asarray(points[name]) for name in (*LABELS, "intensity")}
             found["xyz"] = (turn(xyz, up) - model.origin).astype(np.float32 if near else np.float64)

@@ -36,7 +36,8 @@ def _vault(vault: FreeVault) -> dict[str, Any]:
     shared = [share for share, edge in zip(form.crossing, outline.edges, strict=True) if len(edge.sides) == 2]
     components: dict[int, dict[str, Any]] = {}
     for region in outline.regions:
-        found, apart = (off and off.components.get(region.component) for off in (vault.through, vault.withheld))
+        found = vault.through.components.get(region.component)
+        apart = None if vault.withheld is None else vault.withheld.components.get(region.component)
         components[region.component] = {
             "id": region.component,
             "name": region.name,

@@ -142,9 +142,7 @@ def _pixels(place: NDArray[np.float32], pixel: float, wide: int, tall: int) -> N
 
 
 @njit(cache=True, nogil=True)  # type: ignore[untyped-decorator,unused-ignore]
-def _add(
-    at: NDArray[np.int32], values: NDArray[Any], counts: NDArray[np.uint32], mean: NDArray[np.float32]
-) -> None:
-    """Add to the mean of each pixel its points' shares; in single precision, so that a sheet of all channels is small."""
+def _add(at: NDArray[np.int32], values: NDArray[Any], counts: NDArray[np.uint32], mean: NDArray[np.float32]) -> None:
+    """Add to the mean of each pixel its points' shares; in single precision, as a sheet of all channels is large."""
     for k in range(len(at)):
         mean[at[k]] += values[k] / counts[at[k]]
