@@ -19,8 +19,7 @@ UNSURE = (
     0.3  # of how far both surfaces are apart in the plane, there and on the mean, by which the one that shows is unsure
 )
 CREASED = 0.02  # mean part of the normals across the plane, away from it, from which on there is a crease
-FEWEST = 3  # points on either side of a cell that tell of one
-FEWEST_CELLS = 5  # along a crease
+FEWEST = 5  # cells along a crease, with points on each of its sides
 
 
 def showing(
@@ -42,20 +41,24 @@ def showing(
         return np.ones(0, np.bool_), np.zeros(0)
     keys, group = np.unique(cell, return_inverse=True)
     side = (across > 0).astype(np.int64)
-    edge = np.bincount(group, tilt * np.sign(across)) / np.bincount(group)
-    counts = np.bincount(2 * group + side, minlength=2 * len(keys)).reshape(-1, 2)
-    creased = (np.abs(edge) > CREASED) & (counts >= FEWEST).all(axis=1)
+    count = np.bincount(group)
+    edge = np.bincount(group, tilt * np.sign(across)) / count
+    beside = np.bincount(2 * group + side, minlength=2 * len(keys)).reshape(-1, 2)
     medians = group_medians(2 * group + side, offset, 2 * len(keys)).reshape(-1, 2)
-    at = np.bincount(group, s) / np.bincount(group)
+    at = np.bincount(group, s) / count
     of = np.zeros(len(keys), np.int64)
     of[group] = piece
     shows, unsure = np.full(len(keys), -1), np.zeros(len(keys))
-    for k in np.unique(of[creased]).tolist():
-        mine = np.flatnonzero(creased & (of == k))
-        if len(mine) < FEWEST_CELLS:
-            continue
+    for k in np.unique(of[np.abs(edge) > CREASED]).tolist():
+        mine = np.flatnonzero((np.abs(edge) > CREASED) & (of == k))
         reach = float(at[mine].min()), float(at[mine].max())
-        left, right = (smooth(at[mine], medians[mine, j], counts[mine, j] * 1.0, reach)(at[mine])[0] for j in (0, 1))
+        seen = [mine[beside[mine, j] > 0] for j in (0, 1)]
+        if min(map(len, seen)) < FEWEST:
+            continue
+        left, right = (
+            smooth(at[cells], medians[cells, j], beside[cells, j] * 1.0, reach)(at[mine])[0]
+            for j, cells in enumerate(seen)
+        )
         shows[mine] = np.where(edge[mine] < 0, right > left, right < left)
         apart = right - left
         unsure[of == k] = np.sqrt(np.mean(apart**2) / 2)
