@@ -25,6 +25,7 @@ LONG_ARC = 0.25  # of the clear width; shorter arcs tell no centre
 LEVEL_LINE = 16.0  # mm on the paper by which the lines of levels begin left of the view
 APART = 0.01  # m by which a section is higher than the crown where it says so
 BESIDE = 0.4  # of the way from a centre to the middle of its arc, level, from which on its radius stands beside that
+CLEAR = 6.0  # mm between the radii of two arcs, of which one is told where they all but coincide
 AWAY = 9.0  # mm on the paper from the view to its dimensions
 
 
@@ -91,7 +92,8 @@ def section_view(model: Assembly, placed: PlacedVault, section: Cut, scale: int)
         view.marks.append(Dimension("DIMENSIONS", (a, 0.0), (b, 0.0), (a, foot)))
     plumb = (right + out, 0.0)
     view.marks.append(Dimension("DIMENSIONS", (right, vault.lift), (right, crown), plumb, np.pi / 2))
-    view.marks.append(Dimension("DIMENSIONS", (right, crown), (right, crown + thickness), plumb, np.pi / 2))
+    if (crown, "crown") in levels:
+        view.marks.append(Dimension("DIMENSIONS", (right, crown), (right, crown + thickness), plumb, np.pi / 2))
     if section.arches:
         view.marks += _arcs(section.arches, foot, mm)
     else:
@@ -115,6 +117,7 @@ def _cut_rows(body: Body, section: Cut) -> Iterator[Floats]:
 def _circles(paths: Sequence[Path], chords: Sequence[tuple[float, float]], foot: float, mm: float) -> Iterator[Mark]:
     """The centres of the long arcs, where they are above `foot`, and their radii; pieces of a circle tell it once."""
     told: list[tuple[Floats, float]] = []
+    words: list[Floats] = []
     long = LONG_ARC * max(q - p for p, q in chords)
     for path in paths:
         for k, bulge in enumerate(path.bulges[: len(path.points) - 1]):
@@ -126,7 +129,9 @@ def _circles(paths: Sequence[Path], chords: Sequence[tuple[float, float]], foot:
                 continue
             told.append((centre, radius))
             middle = (a + b) / 2 - np.array([a[1] - b[1], b[0] - a[0]]) * bulge / 2
-            yield _radius(middle, _unit(middle - centre), f"R {radius:.3f}", mm)
+            if all(np.hypot(*(middle - word)) > CLEAR * mm for word in words):
+                words.append(middle)
+                yield _radius(middle, _unit(middle - centre), f"R {radius:.3f}", mm)
             if centre[1] > foot:
                 yield Cross("CENTRES", (float(centre[0]), float(centre[1])))
 
