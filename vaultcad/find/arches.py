@@ -46,10 +46,11 @@ class FoundArch:
     line: str = ""
 
     def is_along(self, other: FoundArch) -> bool:
-        """Whether another lies where this one does."""
+        """Whether another lies where this one does, or touches it."""
         along, across = self.soffit.local(other.soffit.place[None])
         turned = abs(np.sin(self.soffit.yaw - other.soffit.yaw))
-        return bool(abs(along[0]) < self.soffit.length / 2 and abs(across[0]) < IN_LINE and turned < IN_LINE)
+        reach = max(IN_LINE, (self.soffit.width + other.soffit.width) / 2)
+        return bool(abs(along[0]) < self.soffit.length / 2 and abs(across[0]) < reach and turned < IN_LINE)
 
     def faces(self, others: Sequence[FoundArch]) -> Array:
         """(2,) how deep its own faces are [m], as deep as the lesser; NaN for an arcade's, whose are the wall's."""

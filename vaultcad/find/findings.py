@@ -184,15 +184,23 @@ def _ribbed(
     rng: np.random.Generator,
 ) -> Findings:
     """The same with the ribs under vaults, which are not arches between these."""
-    ribs = [rib for one in vaults for rib in rib_arches(one, thin, xyz, rng)]
+    between, ribs = told_apart(arches, [rib for one in vaults for rib in rib_arches(one, thin, xyz, rng)])
     if not ribs:
         return Findings(vaults, tuple(arches), hung)
-    between = [arch for arch in arches if not any(rib.is_along(arch) for rib in ribs)]
     bands = [(one.placed, one.tolerance) for one in vaults]
     arched = [ArchBand(one.barrel.placed, one.barrel.tolerance, one.depth) for one in (*between, *ribs)]
     held = np.bincount(label(thin.points, bands, arched).arch, minlength=len(arched) + 1)[1 + len(between) :]
     kept = [rib for rib, count in zip(ribs, held.tolist(), strict=True) if count >= FEWEST]
     return Findings(vaults, (*between, *kept), hung)
+
+
+def told_apart(arches: Sequence[FoundArch], ribs: Sequence[FoundArch]) -> tuple[list[FoundArch], list[FoundArch]]:
+    """Arches between vaults and ribs under them, where one strip of stone was found as both.
+
+    No arch runs along a diagonal. But a vault whose plan reaches over the edge of an arch shows that as a narrow rib.
+    """
+    kept = [rib for rib in ribs if rib.line == DIAGONAL or not any(arch.is_along(rib) for arch in arches)]
+    return [arch for arch in arches if not any(rib.is_along(arch) for rib in kept)], kept
 
 
 def _is_oblique(soffit: Soffit, thin: Thin) -> bool:

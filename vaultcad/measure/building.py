@@ -15,7 +15,8 @@ from vaultcad.model import Assembly, FittedArch, PlacedVault
 Array = NDArray[np.float64]
 
 IN_LINE = cos(radians(25))  # of the ways to both neighbours, from which on a row goes straight through a bay
-ALIKE = 0.15  # by which equal bays differ in their plan and their rise at most, as a share
+ALIKE = 0.15  # by which bays of a row differ in their width across it and in their rise at most, as a share
+AS_LONG = 0.35  # and along it: the stairs or the door of a crypt take from its first bay, not from its width
 OVER = 0.3  # share of the smaller plan that two vaults of two storeys have in common at least
 PROBES = 24  # along each side of a plan, where it is compared with another
 
@@ -24,9 +25,9 @@ PROBES = 24  # along each side of a plan, where it is compared with another
 class Building:
     """Vaults by their numbers, from 1.
 
-    rows: equal neighbours in line, joined by arches, each in the order of its bays, from west to east or south to
-    north; the longest first, those as long likewise. rooms: what arches join. storeys: from below, each with its floor
-    in the scan's local frame [m]; that of the lowest is not known: NaN.
+    rows: neighbours as wide and as high in line, joined by arches, each in the order of its bays, from west to east or
+    south to north; the longest first, those as long likewise. rooms: what arches join. storeys: from below, each with
+    its floor in the scan's local frame [m]; that of the lowest is not known: NaN.
     """
 
     rows: tuple[tuple[int, ...], ...]
@@ -100,7 +101,7 @@ def _groups(numbers: Iterable[int], joined: Sequence[tuple[int, int]]) -> tuple[
 
 
 def _rows(vaults: Sequence[PlacedVault], joined: Sequence[tuple[int, int]]) -> tuple[tuple[int, ...], ...]:
-    """The longest chain of equal neighbours in line is a row, then the longest of what is left, and so on."""
+    """The longest chain of neighbours alike in line is a row, then the longest of what is left, and so on."""
     left = set(range(1, len(vaults) + 1))
     links = [(a, b) for a, b in joined if _are_alike(vaults[a - 1], vaults[b - 1])]
     rows = []
@@ -120,11 +121,19 @@ def _place_across(vaults: Sequence[PlacedVault], row: tuple[int, ...], first: tu
 
 
 def _are_alike(one: PlacedVault, other: PlacedVault) -> bool:
-    """Whether two are of one family and about as large."""
+    """Whether two neighbours are of one family, about as high, and as wide across the way from one to the other."""
     if one.vault.id != other.vault.id:
         return False
-    sizes = [(*sorted(p.vault.plan.half.tolist()), p.vault.derived_values()["rise"]) for p in (one, other)]
-    return all(abs(a - b) <= ALIKE * max(a, b) for a, b in zip(*sizes, strict=True))
+    way = _way((one, other), 1, 2)
+    sizes = [(*_extents(placed, way), placed.vault.derived_values()["rise"]) for placed in (one, other)]
+    limits = (AS_LONG, ALIKE, ALIKE)
+    return all(abs(a - b) <= limit * max(a, b) for a, b, limit in zip(*sizes, limits, strict=True))
+
+
+def _extents(placed: PlacedVault, way: Array) -> tuple[float, float]:
+    """How far a plan reaches along a direction (2,) and across it [m]."""
+    outline = placed.vault.plan.outline() @ placed.pose.placement()[:2, :2].T
+    return float(np.ptp(outline @ way)), float(np.ptp(outline @ [-way[1], way[0]]))
 
 
 def _chain(vaults: Sequence[PlacedVault], link: tuple[int, int], links: Sequence[tuple[int, int]]) -> tuple[int, ...]:

@@ -1,13 +1,20 @@
 """Ribs in scans are found under the vault that they hang under, with their section and how sure it is."""
 
+from typing import cast
+
 import numpy as np
 import pytest
 
 from families import Groin, Mirror, Pointed, Rib
+from families.declaration.ribs import DIAGONAL, WALL
+from vaultcad.find.arches import FoundArch
+from vaultcad.find.findings import told_apart
+from vaultcad.find.found import Found
 from vaultcad.find.ribs import ribs_under
 from vaultcad.fit.solve import Placed
 from vaultcad.pose import Pose
 from vaultcad.scanner import ScannerSettings, scan
+from vaultcad.survey.soffits import Soffit
 
 BARE = ScannerSettings(points=200_000, noise=0.003, settlement=0.02)
 VAULTS = (Groin(5, 5), Rib(4.5, 5, Pointed(0.75), Pointed(0.68)))
@@ -44,3 +51,21 @@ def test_vaults_without_four_straight_sides_have_none_looked_for():
 
     assert ribs_under(Placed(Rotunda(), Pose(0.0, 0.0, 0.0, 0.0)), np.zeros((10, 3))) == ()
     assert ribs_under(Placed(Mirror(), Pose(0.0, 0.0, 0.0, 0.0)), np.zeros((0, 3))) == ()
+
+
+def strip(y: float, width: float, line: str = "", yaw: float = 0.0) -> FoundArch:
+    """An arch over 2.4 m along x, or a rib, where it lies; of what it is fitted with nothing is asked."""
+    soffit = Soffit(np.array([0.0, y]), yaw, 2.4, width, np.array([[-1.2, 2.0], [0.0, 2.7], [1.2, 2.0]]))
+    return FoundArch(soffit, cast(Found, None), np.full(2, 0.2), np.full(2, 0.01), line)
+
+
+def test_the_edge_of_an_arch_under_a_vault_that_reaches_over_it_is_no_rib():
+    arch, wide = strip(0.0, 0.44), strip(10.0, 1.2)
+    edges = [strip(0.17, 0.1, WALL), strip(10.6, 0.15, WALL, np.pi)]
+    alone = strip(3.0, 0.15, WALL)
+    assert told_apart([arch, wide], [*edges, alone]) == ([arch, wide], [alone])
+
+
+def test_a_diagonal_rib_is_no_arch():
+    arch, rib = strip(0.0, 0.25), strip(0.02, 0.25, DIAGONAL)
+    assert told_apart([arch], [rib]) == ([], [rib])

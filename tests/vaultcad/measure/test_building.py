@@ -6,7 +6,7 @@ from math import isnan, sqrt
 import numpy as np
 import pytest
 
-from families import Barrel, Groin, Pointed
+from families import Barrel, Groin, Pointed, Segmental
 from families.declaration.profiles import PROFILES
 from vaultcad.measure.arcs import arcs_of, springing_of
 from vaultcad.measure.building import building_of
@@ -44,6 +44,22 @@ def test_a_grid_is_rows_along_its_longer_side(building):
     pairs = [(1, 2), (2, 3), (4, 5), (5, 6), (1, 4), (2, 5), (3, 6)]
     arches = tuple(dataclasses.replace(building.arches[0], beside=pair) for pair in pairs)
     assert building_of(dataclasses.replace(building, vaults=vaults, arches=arches)).rows == ((1, 2, 3), (4, 5, 6))
+
+
+def test_a_bay_that_is_shorter_along_its_row_belongs_to_it(building):
+    """A crypt of three by three bays, whose first row of each direction is a fifth narrower than the others."""
+    vault = building.vaults[0]
+    wide = (2.2, 2.8, 2.8)
+    places = [(i, j) for j in range(3) for i in range(3)]
+    bays = [Groin(wide[i], wide[j], *(Segmental(0.9 / wide[k]) for k in (i, j))) for i, j in places]
+    vaults = tuple(
+        dataclasses.replace(vault, vault=bay, pose=Pose(3.0 * i, 3.0 * j, 3.0, 0.0))
+        for bay, (i, j) in zip(bays, places, strict=True)
+    )
+    pairs = [(k, k + 1) for k in (1, 2, 4, 5, 7, 8)] + [(k, k + 3) for k in range(1, 7)]
+    arches = tuple(dataclasses.replace(building.arches[0], beside=pair) for pair in pairs)
+    found = building_of(dataclasses.replace(building, vaults=vaults, arches=arches))
+    assert found.rows == ((1, 2, 3), (4, 5, 6), (7, 8, 9))
 
 
 def test_rows_as_long_are_named_from_south_to_north_whatever_their_numbers(building):
