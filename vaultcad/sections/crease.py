@@ -18,8 +18,8 @@ Floats = NDArray[np.float64]
 UNSURE = (
     0.3  # of how far both surfaces are apart in the plane, there and on the mean, by which the one that shows is unsure
 )
-CREASED = 0.02  # mean part of the normals across the plane, away from it, from which on there is a crease
-FEWEST = 5  # cells along a crease, with points on each of its sides
+CREASED = 0.02  # half of what normals on both sides differ by across the plane, from which on there is a crease
+FEWEST = 5  # cells along a crease, with points on both of its sides
 
 
 def showing(
@@ -41,24 +41,21 @@ def showing(
         return np.ones(0, np.bool_), np.zeros(0)
     keys, group = np.unique(cell, return_inverse=True)
     side = (across > 0).astype(np.int64)
-    count = np.bincount(group)
-    edge = np.bincount(group, tilt * np.sign(across)) / count
-    beside = np.bincount(2 * group + side, minlength=2 * len(keys)).reshape(-1, 2)
-    medians = group_medians(2 * group + side, offset, 2 * len(keys)).reshape(-1, 2)
-    at = np.bincount(group, s) / count
+    half = 2 * group + side
+    beside = np.bincount(half, minlength=2 * len(keys)).reshape(-1, 2)
+    tilts = np.bincount(half, tilt, 2 * len(keys)).reshape(-1, 2) / np.maximum(beside, 1)
+    edge = np.where((beside > 0).all(axis=1), tilts[:, 1] - tilts[:, 0], 0.0) / 2
+    medians = group_medians(half, offset, 2 * len(keys)).reshape(-1, 2)
+    at = np.bincount(group, s) / np.bincount(group)
     of = np.zeros(len(keys), np.int64)
     of[group] = piece
     shows, unsure = np.full(len(keys), -1), np.zeros(len(keys))
     for k in np.unique(of[np.abs(edge) > CREASED]).tolist():
         mine = np.flatnonzero((np.abs(edge) > CREASED) & (of == k))
         reach = float(at[mine].min()), float(at[mine].max())
-        seen = [mine[beside[mine, j] > 0] for j in (0, 1)]
-        if min(map(len, seen)) < FEWEST:
+        if len(mine) < FEWEST:
             continue
-        left, right = (
-            smooth(at[cells], medians[cells, j], beside[cells, j] * 1.0, reach)(at[mine])[0]
-            for j, cells in enumerate(seen)
-        )
+        left, right = (smooth(at[mine], medians[mine, j], beside[mine, j] * 1.0, reach)(at[mine])[0] for j in (0, 1))
         shows[mine] = np.where(edge[mine] < 0, right > left, right < left)
         apart = right - left
         unsure[of == k] = np.sqrt(np.mean(apart**2) / 2)

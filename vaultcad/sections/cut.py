@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from families import Vault
 from families.void.upright import Upright
 from vaultcad.group_medians import group_medians
-from vaultcad.sections.crease import showing
+from vaultcad.sections.crease import CREASED, showing
 from vaultcad.sections.guide import Guide
 from vaultcad.sections.section import Level, ModelLine, ProfileRun
 from vaultcad.sections.smooth import smooth
@@ -30,6 +30,7 @@ TEXTURE = 4.0  # points of a cell that tell as much as endless many: what is lef
 SIDEWAYS = 0.1  # of an offset, by which it is unsure: stone that moved along the surface as well shows another place
 AT_ENDS = 0.7  # of how far stone has moved, by which a line is unsure at its ends and kinks
 BESIDE_ENDS = 0.1  # m, over which that fades
+ON_CREASE = 0.002  # m to either side of a plane, between which a crease in it lies
 GAP = 0.06  # m from the nearest cell with points, to which a line goes on
 CORNER = 0.05  # m that two lines are extended to meet
 
@@ -85,9 +86,16 @@ def stations(vault: Vault, plane: Upright, guide: Guide, points: Floats, grid: f
     s = guide.s[sample] + ((plane.drawn(points) - guide.at[sample]) * guide.tangent[sample]).sum(axis=1)
     piece = guide.piece[sample]
     cell = (piece << 32) + np.floor(np.maximum(s, 0.0) / grid).astype(np.int64)
-    tilt = surface.normal[hit, :2] @ np.array(plane.normal)
+    tilt = np.where(_on_crease(vault, plane, guide)[sample], surface.normal[hit, :2] @ np.array(plane.normal), 0.0)
     here, unsure = showing(piece, cell, s, offset, plane.off(points), tilt)
     return _cells(guide, cell[here], s[here], offset[here], np.abs(slant[hit][here]), unsure[here])
+
+
+def _on_crease(vault: Vault, plane: Upright, guide: Guide) -> NDArray[np.bool_]:
+    """Which samples (n,) of a guide are on a crease of the ideal vault, on which its normals turn across the plane."""
+    at, across = plane.placed(guide.at), np.array([*plane.normal, 0.0])
+    one, other = (vault.evaluate(at + way * ON_CREASE * across).normal @ across for way in (-1, 1))
+    return np.asarray(np.abs(other - one) > 2 * CREASED, np.bool_)
 
 
 def wall_stations(guide: Guide, points: Floats, grid: float) -> Stations:
