@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 from families import FAMILIES, Barrel, Dome, Groin, Sail, Segmental, Trough, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
+from vaultcad.find.arches import find_arch
 from vaultcad.pipeline import FitSettings, fit_scan
 from vaultcad.scanner import ScannerSettings, scan
 from vaultcad.scanner.barren import SCENES, draw_barren
+from vaultcad.survey.soffits import Soffit
+from vaultcad.survey.thinned_scan import Thin
 
 Points = NDArray[np.float64]
 
@@ -148,3 +151,11 @@ def test_reveals_that_go_far_up_do_not_hide_a_vault() -> None:
     result = fit_scan(Cloud(np.concatenate([xyz, shaft]).astype(np.float32)), FitSettings(families=(Groin,)))
     (fitted,) = result.model.vaults
     assert fitted.parameters["rise"].value == pytest.approx(1.5, abs=0.08)
+
+
+def test_the_lintel_of_a_door_is_no_arch() -> None:
+    along = np.arange(-0.55, 0.6, 0.1)
+    level = Soffit(np.zeros(2), 0.0, 1.2, 0.5, np.column_stack([along, 2.1 + 0.005 * (np.arange(len(along)) % 3)]))
+    nothing = Thin(np.empty((0, 3)), np.empty((0, 3)), np.empty(0), 0.05)
+    with pytest.raises(NoVaultError, match=r"a soffit 1\.2 m long is level"):
+        find_arch(level, nothing, np.empty((0, 3)), np.random.default_rng(0))
