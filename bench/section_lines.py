@@ -17,7 +17,7 @@ from families.void.upright import Upright
 from vaultcad.scanner.settle import Settlement, draw_settlement
 from vaultcad.sections.cut import profile, stations
 from vaultcad.sections.free_profile import free_profile
-from vaultcad.sections.guide import Guide, guides
+from vaultcad.sections.guide import STEEPEST, guides
 from vaultcad.sections.planes import genesis_planes
 
 Floats = NDArray[np.float64]
@@ -29,6 +29,7 @@ SLAB, GRID = 0.03, 0.02  # m
 CLUTTER = 0.02  # share of the points that hang in the room below the vault
 HULL_RATIO = 0.02  # of shapely's concave hull: as tight as one of the paper's grid
 FAR = 0.06  # m, of the settled surface's samples from the plane
+ROUNDS = 4  # of bringing a point back to where it was
 
 COLUMNS = (
     label("family"),
@@ -78,27 +79,29 @@ def _sections(vault: Vault, rng: np.random.Generator) -> Iterator[tuple[list[Flo
             on = points[np.abs(vault.distance(points)) < FAR]  # as labelled
             runs = profile(guide, stations(vault, cut, guide, on, GRID), GRID)
             took = perf_counter() - began
-            true = _true(vault, cut, guide, settlement)
-            if not runs or len(true) < 10:
+            if not runs:
                 continue
             ours, std = np.concatenate([run.line for run in runs]), np.concatenate([run.std for run in runs])
             drawn = cut.drawn(points)
             room = np.array([guide.at[:, 0].mean(), guide.at[:, 1].min()])
             free = free_profile(drawn, cut.off(points), room, GRID)
-            off = _apart(ours, true)
-            yield [off, _apart(free, true), _apart(_hull(cut.drawn(on), room), true), off / np.maximum(std, 1e-6)], took
+            hull = _hull(cut.drawn(on), room)
+            off = [_apart(vault, cut, settlement, line) for line in (ours, free, hull)]
+            yield [*off, off[0] / np.maximum(std, 1e-6)], took
 
 
-def _true(vault: Vault, cut: Upright, guide: Guide, settlement: Settlement) -> Floats:
-    """The settled line in the plane, found by moving samples of the ideal one until they come to lie in it."""
-    at = cut.placed(guide.at)
-    move = np.zeros_like(at)
-    for _ in range(4):
-        move = settlement(at)
-        off = cut.off(at + move)
-        at = at - off[:, None] * np.array([*cut.normal, 0.0])
-        at -= vault.distance(at)[:, None] * vault.evaluate(at).normal
-    return np.asarray(cut.drawn(at + settlement(at)), np.float64)
+def _apart(vault: Vault, cut: Upright, settlement: Settlement, drawn: Floats) -> Floats:
+    """Distances (n,) [m] within the plane of drawn points (n, 2) from the settled surface.
+
+    Each is brought back to where it would be at the ideal vault, of which distances are known everywhere.
+    """
+    at = cut.placed(drawn)
+    back = at
+    for _ in range(ROUNDS):
+        back = at - settlement(back)
+    surface = vault.evaluate(back)
+    within = np.sqrt(np.maximum(1 - (surface.normal[:, :2] @ np.array(cut.normal)) ** 2, 0.0))
+    return np.asarray(np.abs(surface.distance) / np.maximum(within, STEEPEST), np.float64)
 
 
 def _hull(drawn: Floats, room: Floats) -> Floats:
@@ -113,10 +116,3 @@ def _hull(drawn: Floats, room: Floats) -> Floats:
     order = np.lexsort((np.hypot(*away.T), bins))
     first = np.unique(bins[order], return_index=True)[1]
     return np.asarray(edge[order][first], np.float64)
-
-
-def _apart(line: Floats, true: Floats) -> Floats:
-    """Distances (n,) [m] of a line's points from the true line."""
-    import shapely
-
-    return np.asarray(shapely.distance(shapely.points(line), shapely.LineString(true)), np.float64)

@@ -23,6 +23,10 @@ class ModelFileError(VaultcadError):
     """A model.json that cannot be read, or an edit in it that cannot be."""
 
 
+class NoSurfaceError(VaultcadError):
+    """A vault through whose points no free surfaces can be laid."""
+
+
 class MissingLibraryError(VaultcadError):
     """A library of the stack, or a system library under it, is missing or broken."""
 

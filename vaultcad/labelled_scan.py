@@ -64,8 +64,10 @@ def labelled_scan(model: Model, cloud: Cloud, labels: Labels) -> LabelledScan:
     )
 
 
-def read_labelled_scan(folder: Path | str) -> LabelledScan:
+def read_labelled_scan(folder: Path | str, *, labelled: bool = False) -> LabelledScan:
     """What `vaultcad fit` left in a folder: its model.json and its segments.laz.
+
+    labelled: whether to leave out the points that are of no vault and no arch.
 
     Raises:
         ModelFileError: the folder has no model of vaultcad, or its points are not that model's.
@@ -85,22 +87,29 @@ def read_labelled_scan(folder: Path | str) -> LabelledScan:
     up: Up = model.settings.get("up", "z")
     scale = np.array(model.settings.get("scale", [model.unit] * 3))
     near = np.abs(turn(model.bounds * scale, up) - model.origin).max() < FLOAT32_REACH
-    parts: dict[str, list[NDArray[Any]]] = {}
+    whole: dict[str, NDArray[Any]] = {}
+    size = read = 0
     with open_las(path) as reader:
         if lacking := set(LABELS) - set(reader.header.point_format.dimension_names):
             raise ModelFileError(f"{path}: has no dimension {min(lacking)}; give what vaultcad fit wrote")
         colored = "red" in reader.header.point_format.dimension_names
-        for points in las_points(path, reader):
+        for chunk in las_points(path, reader):
+            read += len(chunk)
+            own = (np.asarray(chunk["vault"]) > 0) | (np.asarray(chunk["arch"]) > 0) if labelled else slice(None)
+            points = chunk[own]
             xyz = np.column_stack([points.x, points.y, points.z]) * scale
-            found: dict[str, NDArray[Any]] = {name: np.array(points[name]) for name in (*LABELS, "intensity")}
+            found: dict[str, NDArray[Any]] = {name: np.asarray(points[name]) for name in (*LABELS, "intensity")}
             found["xyz"] = (turn(xyz, up) - model.origin).astype(np.float32 if near else np.float64)
             if colored:
                 found["color"] = np.column_stack([points.red, points.green, points.blue])
             for name, values in found.items():
-                parts.setdefault(name, []).append(values)
-    if not parts:
+                # Room for all, of which the system gives no more than is filled.
+                room = (reader.header.point_count, *values.shape[1:])
+                whole.setdefault(name, np.empty(room, values.dtype))[size : size + len(values)] = values
+            size += len(points)
+    if not read:
         raise ModelFileError(f"{path}: has no points; give what vaultcad fit wrote")
-    whole = {name: np.concatenate(values) for name, values in parts.items()}
+    whole = {name: values[:size] for name, values in whole.items()}
     if whole["vault"].max(initial=0) > len(model.vaults) or whole["arch"].max(initial=0) > len(model.arches):
         raise ModelFileError(f"{path}: has labels of more vaults than {MODEL}; give both files of one fit")
     for kind, fitted in (("vault", model.vaults), ("arch", model.arches)):

@@ -32,6 +32,7 @@ class Component:
     deviation: Deviation | None
     coverage: float
     as_built: Deviation | None = None
+    nurbs: Deviation | None = None
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,8 @@ class FittedVault(PlacedVault):
     deviation: Deviation
     coverage: float
     converged: bool = True
-    as_built: Deviation | None = None
+    as_built: Deviation | None = None  # of points that had no part in the surface; likewise:
+    nurbs: Deviation | None = None  # from free surfaces, where they were asked for
     covariance: Covariance | None = None
     tolerance: float = 0.03  # m, half of the band that its points lie in
     odds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # of each arch: kind -> chance

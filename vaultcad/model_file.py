@@ -275,7 +275,7 @@ def _covariance(told: Mapping[str, Any] | None) -> Covariance | None:
 
 
 def _component(told: Mapping[str, Any]) -> Component:
-    measured = {name: _deviation(told.get(name)) for name in ("deviation", "as_built")}
+    measured = {name: _deviation(told.get(name)) for name in ("deviation", "as_built", "nurbs")}
     return Component(**{**told, **measured})
 
 
@@ -287,6 +287,7 @@ DECODERS: dict[str, Callable[[Any], Any]] = {
     "coverage": float,
     "converged": bool,
     "as_built": _deviation,
+    "nurbs": _deviation,
     "covariance": _covariance,
     "tolerance": float,
     "thickness": lambda told: None if told is None else thickness("thickness", told),

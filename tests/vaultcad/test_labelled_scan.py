@@ -61,6 +61,15 @@ def test_points_come_back_where_the_model_is(tmp_path, make_model, vault_scan):
     np.testing.assert_allclose(back.in_frame(placed, back.of(1)), xyz, atol=2e-4)
 
 
+def test_points_of_no_vault_can_be_left_out(tmp_path, make_model, vault_scan):
+    _, cloud, labels = vault_scan
+    some = np.arange(len(cloud)) % 3 > 0
+    left(tmp_path / "out", make_model("groin"), cloud, replace(labels, vault=some.astype(np.uint16)))
+    whole, mine = read_labelled_scan(tmp_path / "out"), read_labelled_scan(tmp_path / "out", labelled=True)
+    np.testing.assert_array_equal(mine.xyz, whole.xyz[some])
+    np.testing.assert_array_equal(mine.deviation, whole.deviation[some])
+
+
 def test_a_folder_that_is_no_result_is_refused(tmp_path, make_model, vault_scan):
     xyz, cloud, labels = vault_scan
     with pytest.raises(ModelFileError, match=r"has no model\.json"):

@@ -120,7 +120,7 @@ def fit(
             "deviation": labels.deviation,
         }
         written = write_all(
-            replace(result.model, drawn=as_built),
+            replace(result.model if surfaces is None else surfaces.measured, drawn=as_built),
             out,
             segments=lambda path: write_labelled(scan, path, cloud, extra),
             points=result.points,

@@ -11,7 +11,7 @@ from vaultcad.cli.options import Bounds, Force, Vaults, number_info, single
 from vaultcad.cli.outputs import check_result, show_kept
 
 if TYPE_CHECKING:
-    from vaultcad.nurbs.route import FreeRoute
+    from vaultcad.nurbs.route import FreeRoute, FreeVault
 
 NET = Bounds(0.02, 5, "m", "distance of the lines of the nets")
 Net = Annotated[float, number_info("net", NET)]
@@ -40,7 +40,7 @@ def nurbs(
     from vaultcad.labelled_scan import read_labelled_scan
     from vaultcad.nurbs.route import free_route
 
-    route = free_route(read_labelled_scan(result), net, sorted({*(vault or ())}))
+    route = free_route(read_labelled_scan(result, labelled=True), net, sorted({*(vault or ())}))
     kept = write_nurbs(route, out, force=force)
     tell(route)
     show_kept(kept)
@@ -51,7 +51,6 @@ def tell(route: FreeRoute) -> None:
     for why in route.left_out:
         typer.echo(f"vaultcad: {why}", err=True)
     for vault in route.vaults:
-        mean, p95 = 1000 * vault.deviation.mean, 1000 * vault.deviation.p95
         if not (vault.sheet.valid and vault.sheet.watertight):
             fault = "leaves gaps" if vault.sheet.valid else "has a fault by OpenCASCADE's check"
             typer.echo(f"vaultcad: vault {vault.number}: the sheet of free surfaces {fault}", err=True)
@@ -62,6 +61,14 @@ def tell(route: FreeRoute) -> None:
             name = vault.form.outline.regions[k].name
             typer.echo(f"vaultcad: vault {vault.number}: {name} has too few points; its edges alone shape it", err=True)
         typer.echo(
-            f"vault {vault.number}, free surfaces: {mean:.1f} mm off the stone on the mean, 95 % within {p95:.1f} mm, "
-            f"edges to {1000 * vault.sheet.gap:.1f} mm"
+            f"vault {vault.number}, free surfaces: {_told(vault)}, edges to {1000 * vault.sheet.gap:.1f} mm; "
+            f"the points they run through {1000 * vault.through.whole.mean:.1f} mm"
         )
+
+
+def _told(vault: FreeVault) -> str:
+    """How far stone is from them that had no part in them."""
+    if vault.withheld is None:
+        return "too few points to withhold some, by which to tell how far they are off"
+    d = vault.withheld.whole
+    return f"{1000 * d.mean:.1f} mm off withheld points on the mean, 95 % within {1000 * d.p95:.1f} mm"

@@ -169,6 +169,11 @@ Vaults = Annotated[
 Force = Annotated[
     bool, typer.Option("--force", help="Replace an earlier result although a person has changed it since.")
 ]
+InSpace = Annotated[
+    Literal["file", "metres"],
+    typer.Option("--coordinates", help="Of lines in space: as the scan's file has them, or metres with z up."),
+]
+"""As `vaultcad.coordinates.Coordinates`, which takes too long to import."""
 AsBuilt = Annotated[
     Literal["ideal", "as-built", "both"],
     typer.Option(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from math import isfinite, radians
 from pathlib import Path
 from typing import Annotated, Any
@@ -9,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from vaultcad.cli.errors import InputError, refusing
-from vaultcad.cli.options import Bounds, Force, Vault, number_info, single
+from vaultcad.cli.options import Bounds, Force, InSpace, Vault, number_info, single
 from vaultcad.cli.outputs import check_file, check_result, show_kept
 
 SUFFIXES = (".json", ".dxf")
@@ -42,6 +43,7 @@ def sections(
         float, number_info("slab", Bounds(0.002, 0.5, "m", "to either side of a plane from which points are taken"))
     ] = 0.03,
     grid: Annotated[float, number_info("grid", Bounds(0.002, 0.5, "m", "cells along a line"))] = 0.02,
+    coordinates: InSpace = "file",
     png: Annotated[bool, typer.Option("--png", help="Pictures of the sections besides the drawings.")] = False,
     force: Force = False,
 ) -> None:
@@ -52,10 +54,12 @@ def sections(
     """
     from segmentation.io.whole import replacing
     from vaultcad.export.folder import replacing_folder
-    from vaultcad.export.section_files import WRITERS, drawn_names, write_drawings
+    from vaultcad.export.section_files import SECTIONS, WRITERS, Writer, drawn_names, write_drawings
+    from vaultcad.export.section_json import write_section_json
     from vaultcad.labelled_scan import read_labelled_scan
     from vaultcad.sections.cuts import sections as cut
 
+    writers: dict[str, Writer] = {**WRITERS, SECTIONS: partial(write_section_json, coordinates=coordinates)}
     planes = [_plane(text) for text in plane or ()]
     single_file = out.suffix.lower() in SUFFIXES
     if single_file:
@@ -67,12 +71,12 @@ def sections(
         found = cut(scan, vault=vault, planes=planes, every=every, slab=slab, grid=grid)
     if single_file:
         with replacing(out) as beside:
-            WRITERS[f"sections{out.suffix.lower()}"](scan.model, found, beside)
+            writers[f"sections{out.suffix.lower()}"](scan.model, found, beside)
     else:
         names = [*WRITERS, *drawn_names(found, ".svg"), *(drawn_names(found, ".png") if png else ())]
         check_result(out, names, inputs=[result], force=force)
         with replacing_folder(out, force=force) as place:
-            for name, write in WRITERS.items():
+            for name, write in writers.items():
                 write(scan.model, found, place.part / name)
             write_drawings(found, place.part, pictures=png)
         show_kept(place.kept)

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from vaultcad.cli.errors import InputError
-from vaultcad.cli.options import Bounds, Force, Vault, number_info, single
+from vaultcad.cli.options import Bounds, Force, InSpace, Vault, number_info, single
 from vaultcad.cli.outputs import check_file, check_result, show_kept
 from vaultcad.cli.status import status
+
+if TYPE_CHECKING:
+    from vaultcad.coordinates import Coordinates
 
 STAGES = ("reading", "laying flat", "writing")
 Pixel = Annotated[
@@ -35,6 +38,7 @@ def unroll(
     back: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Lines drawn on the sheet (dxf, geojson, csv) to bring back.")
     ] = None,
+    coordinates: InSpace = "file",
     force: Force = False,
 ) -> None:
     """Lay the intrados flat: maps of deviation, height, intensity and colour, with contour lines and outlines.
@@ -43,7 +47,7 @@ def unroll(
     a sheet go back to where they are on the vault, in the coordinates of the scan.
     """
     if back is not None:
-        _bring_back(result, back, out, vault)
+        _bring_back(result, back, out, vault, coordinates)
         return
     from vaultcad.export.folder import replacing_folder
     from vaultcad.labelled_scan import read_labelled_scan
@@ -56,7 +60,7 @@ def unroll(
     check_result(out, [UNROLLED], inputs=[result], force=force)
     with status(STAGES) as bar:
         bar.stage("reading")
-        scan = read_labelled_scan(result)
+        scan = read_labelled_scan(result, labelled=True)
         bar.stage("laying flat")
         with replacing_folder(out, force=force) as place:
             written = write_maps(
@@ -84,8 +88,9 @@ def _told(sheet: Mapping[str, Any]) -> str:
     return f"vault {sheet['vault']}: {sheet['family']}, {parts} {'part' if parts == 1 else 'parts'}, {size}; {true}"
 
 
-def _bring_back(result: Path, drawn: Path, out: Path, vault: int | None) -> None:
+def _bring_back(result: Path, drawn: Path, out: Path, vault: int | None, coordinates: Coordinates) -> None:
     from segmentation.io.whole import replacing
+    from vaultcad.coordinates import says
     from vaultcad.labelled_scan import read_labelled_scan
     from vaultcad.unrolled.back import lift_lines
     from vaultcad.unrolled.drawn_lines import WRITERS, read_lines, write_lifted
@@ -94,16 +99,16 @@ def _bring_back(result: Path, drawn: Path, out: Path, vault: int | None) -> None
     lines = read_lines(drawn)
     with status(STAGES) as bar:
         bar.stage("reading")
-        scan = read_labelled_scan(result)
+        scan = read_labelled_scan(result, labelled=True)
         if vault is None and len(scan.model.vaults) > 1:
             raise InputError(f"{drawn}: say on whose sheet it was drawn, --vault 1 to {len(scan.model.vaults)}")
         bar.stage("laying flat")
-        lifted, notes = lift_lines(scan, vault or 1, lines)
+        lifted, notes = lift_lines(scan, vault or 1, lines, coordinates)
         bar.stage("writing")
         with replacing(out) as beside:
-            write_lifted(lifted, beside)
+            write_lifted(lifted, beside, says(scan.model, coordinates))
     _say(notes)
-    typer.echo(f"{len(lifted)} lines of {len(lines)} drawn: {out}")
+    typer.echo(f"{len(lifted)} lines of {len(lines)} drawn, coordinates {says(scan.model, coordinates)}: {out}")
 
 
 def _say(notes: Iterable[str]) -> None:

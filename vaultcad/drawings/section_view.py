@@ -20,11 +20,13 @@ from vaultcad.sections.section import SectionArch
 Floats = NDArray[np.float64]
 
 BESIDE_JOINTS = 1e-5  # m from the plane at which stone is cut, as triangles may end on the plane itself
-SAME_CIRCLE = 0.002  # m by which centres and radii of the pieces of one circle differ
+SAME_CIRCLE = 0.02  # m by which centres and radii of the pieces of one circle differ
 FLATTEST = 60.0  # m; arcs of a larger radius are no arcs that a mason drew
 LONG_ARC = 0.25  # of the clear width; shorter arcs tell no centre
 LEVEL_LINE = 16.0  # mm on the paper by which the lines of levels begin left of the view
 APART = 0.01  # m by which a section is higher than the crown where it says so
+BESIDE = 0.4  # of the way from a centre to the middle of its arc, level, from which on its radius stands beside that
+CLEAR = 6.0  # mm between the radii of two arcs, of which one is told where they all but coincide
 AWAY = 9.0  # mm on the paper from the view to its dimensions
 
 
@@ -73,9 +75,13 @@ def section_view(model: Assembly, placed: PlacedVault, section: Cut, scale: int)
     left, right = float(view.low[0]), float(view.high[0])
     out = AWAY * mm
     crown = vault.lift + vault.derived_values()["rise"]
-    levels = [(vault.lift, "springing"), (crown, "crown")]
     top = max(float(row[:, 1].max()) for row in section.intrados)
-    if top - crown > APART:
+    levels = [(vault.lift, "springing")]
+    if crown - top > APART:  # which this plane does not meet
+        crown = top
+    else:
+        levels.append((crown, "crown"))
+    if top > levels[-1][0] + APART:
         levels.append((top, "highest"))
     for level, name in levels:
         begin = left - LEVEL_LINE * mm
@@ -87,6 +93,8 @@ def section_view(model: Assembly, placed: PlacedVault, section: Cut, scale: int)
         view.marks.append(Dimension("DIMENSIONS", (a, 0.0), (b, 0.0), (a, foot)))
     plumb = (right + out, 0.0)
     view.marks.append(Dimension("DIMENSIONS", (right, vault.lift), (right, crown), plumb, np.pi / 2))
+    if (crown, "crown") in levels:
+        view.marks.append(Dimension("DIMENSIONS", (right, crown), (right, crown + thickness), plumb, np.pi / 2))
     if section.arches:
         view.marks += _arcs(section.arches, foot, mm)
     else:
@@ -110,6 +118,7 @@ def _cut_rows(body: Body, section: Cut) -> Iterator[Floats]:
 def _circles(paths: Sequence[Path], chords: Sequence[tuple[float, float]], foot: float, mm: float) -> Iterator[Mark]:
     """The centres of the long arcs, where they are above `foot`, and their radii; pieces of a circle tell it once."""
     told: list[tuple[Floats, float]] = []
+    words: list[Floats] = []
     long = LONG_ARC * max(q - p for p, q in chords)
     for path in paths:
         for k, bulge in enumerate(path.bulges[: len(path.points) - 1]):
@@ -120,9 +129,10 @@ def _circles(paths: Sequence[Path], chords: Sequence[tuple[float, float]], foot:
             if radius > FLATTEST or any(np.hypot(*(centre - c)) + abs(radius - r) < SAME_CIRCLE for c, r in told):
                 continue
             told.append((centre, radius))
-            middle = centre + radius * _unit((a + b) / 2 - centre)
-            x, y = (middle - 3.0 * mm * _unit(middle - centre)).tolist()
-            yield Word("CENTRES", (x, y), f"R {radius:.3f}", 2.0)
+            middle = (a + b) / 2 - np.array([a[1] - b[1], b[0] - a[0]]) * bulge / 2
+            if all(np.hypot(*(middle - word)) > CLEAR * mm for word in words):
+                words.append(middle)
+                yield _radius(middle, _unit(middle - centre), f"R {radius:.3f}", mm)
             if centre[1] > foot:
                 yield Cross("CENTRES", (float(centre[0]), float(centre[1])))
 
@@ -135,11 +145,18 @@ def _arcs(arches: Sequence[SectionArch], foot: float, mm: float) -> Iterator[Mar
             if radius > FLATTEST:
                 continue
             angle = (arc.start + arc.end) / 2
-            x, y = (centre + (radius - 3.0 * mm) * np.array([np.cos(angle), np.sin(angle)])).tolist()
+            way = np.array([np.cos(angle), np.sin(angle)])
             sure = f" ± {arc.radius.std:.3f}" if arc.radius.std else ""
-            yield Word("CENTRES", (x, y), f"R {radius:.3f}{sure}", 2.0)
+            yield _radius(centre + radius * way, way, f"R {radius:.3f}{sure}", mm)
             if centre[1] > foot:
                 yield Cross("CENTRES", (arc.u.value, arc.z.value))
+
+
+def _radius(middle: Floats, way: Floats, text: str, mm: float) -> Word:
+    """What a radius is, within its arc, whose middle (2,) looks that way (2,): beside haunches, below crowns."""
+    x, y = (middle - 3.0 * mm * way).tolist()
+    beside = int(np.sign(way[0])) if abs(way[0]) > BESIDE else 0
+    return Word("CENTRES", (x, y), text, 2.0, across=beside, up=0 if beside else 1)
 
 
 def _unit(way: Floats) -> Floats:

@@ -67,11 +67,13 @@ def lay_out(
     fields: Sequence[tuple[str, str]],
     wish: Wish,
     north: float | None = None,
+    coarsest: int = 0,
 ) -> Sheet:
     """Views in rows from above, as large as a paper lets them be; the title block stands in the lower right corner.
 
     views: by the scale, as dimensions are as far off on any paper; the last is the plan, which begins the second row.
-    Without a wish the paper is A3 and the scale the largest usual one that fits, or else a larger paper is taken.
+    Without a wish the paper is A3 and the scale the largest usual one that fits, or else a larger paper is taken; and
+    so it is, up to A1, before the scale is smaller than one to `coarsest`.
 
     Raises:
         DrawingError: at that scale they do not fit on that paper, or on any.
@@ -79,12 +81,12 @@ def lay_out(
     papers = ("A3", "A2", "A1", "A0") if wish.paper is None else (wish.paper,)
     scales = SCALES if wish.scale is None else (wish.scale,)
     drawn = cache(views)
-    for paper in papers:
-        for scale in scales:
-            for rows in _rows(drawn(scale)):
-                placed = tuple(_stood(rows, scale, PAPERS[paper]))
-                if _fits(placed, scale, PAPERS[paper]):
-                    return Sheet(name, title, PAPERS[paper], scale, placed, tuple(fields), north)
+    whole = [(paper, scale) for paper in papers for scale in scales]
+    for paper, scale in sorted(whole, key=lambda one: one[1] > coarsest or one[0] == "A0"):
+        for rows in _rows(drawn(scale)):
+            placed = tuple(_stood(rows, scale, PAPERS[paper]))
+            if _fits(placed, scale, PAPERS[paper]):
+                return Sheet(name, title, PAPERS[paper], scale, placed, tuple(fields), north)
     tried = f"{' or '.join(papers)} at 1:{scales[-1]}"
     raise DrawingError(f"{title}: does not fit on {tried}; ask for a smaller scale, or a larger paper")
 

@@ -25,6 +25,7 @@ Floats = NDArray[np.float64]
 
 AT_WALL = 0.998  # of the way to the wall, where the arch on it is taken
 AS_WIDE = 0.5  # of a section, that what is behind it must be to be shown
+COARSEST = 50  # scale of a vault's sheet, before its paper grows
 MOST_SECTIONS = 4  # on a sheet
 SIZES = 6  # of a vault that its title block has room for
 
@@ -43,7 +44,7 @@ def vault_sheet(model: Assembly, number: int, wish: Wish, sections: Sequence[Sec
 
     title = f"Vault {number}: {placed.vault.title}"
     fields = (*_fields(model, placed), *scan_fields(model))
-    return lay_out(f"vault-{number}", title, views, fields, wish, -placed.pose.yaw)
+    return lay_out(f"vault-{number}", title, views, fields, wish, -placed.pose.yaw, COARSEST)
 
 
 def cuts_of(placed: PlacedVault, sections: Sequence[Section] = ()) -> Iterator[Cut]:

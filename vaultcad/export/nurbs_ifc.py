@@ -42,6 +42,7 @@ def write_nurbs_ifc(route: FreeRoute, path: Path) -> None:
             PredefinedType="FREEFORM",
         )
         coverings = []
+        told = vault.withheld or vault.through
         for name, of, net, _ in named_nets(route):
             if of is not vault:
                 continue
@@ -65,11 +66,11 @@ def write_nurbs_ifc(route: FreeRoute, path: Path) -> None:
                 Tag=str(region.component),
                 PredefinedType="CEILING",
             )
-            if (found := vault.components.get(region.component)) is not None:
+            if (found := told.components.get(region.component)) is not None:
                 author.properties(covering, "VaultCAD_Deviation", deviation(author, found, None))
             coverings.append(covering)
         author.relate("IfcRelAggregates", f"{key} of", ("RelatingObject", roof), ("RelatedObjects", coverings))
-        author.properties(roof, "VaultCAD_Deviation", deviation(author, vault.deviation, None))
+        author.properties(roof, "VaultCAD_Deviation", deviation(author, told.whole, None))
         held.setdefault(n, []).append(roof)
     for n, roofs in sorted(held.items()):
         author.relate(

@@ -36,11 +36,13 @@ def _vault(vault: FreeVault) -> dict[str, Any]:
     shared = [share for share, edge in zip(form.crossing, outline.edges, strict=True) if len(edge.sides) == 2]
     components: dict[int, dict[str, Any]] = {}
     for region in outline.regions:
-        found = vault.components.get(region.component)
+        found = vault.through.components.get(region.component)
+        apart = None if vault.withheld is None else vault.withheld.components.get(region.component)
         components[region.component] = {
             "id": region.component,
             "name": region.name,
             "deviation": None if found is None else _deviation(found),
+            "withheld": None if apart is None else _deviation(apart),
             "seen": True,
             "surfaces": [],
             "nets": [],
@@ -72,7 +74,8 @@ def _vault(vault: FreeVault) -> dict[str, Any]:
             "led": form.led,
             "tolerance": round(vault.sheet.gap, DECIMALS),
         },
-        "deviation": _deviation(vault.deviation),
+        "deviation": _deviation(vault.through.whole),
+        "withheld": None if vault.withheld is None else _deviation(vault.withheld.whole),
         "components": list(components.values()),
     }
 

@@ -171,6 +171,7 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "components": [_component(c) for c in fitted.components],
         "deviation": _deviation(fitted.deviation),
         "as_built": _as_built(fitted),
+        "nurbs": _measured(fitted.nurbs),
         "coverage": _number(fitted.coverage),
         "tolerance": _number(round(fitted.tolerance, 4)),
         "deformation": plain_deformation(fitted.deformation),
@@ -247,7 +248,8 @@ def _component(component: Component) -> dict[str, Any]:
         "name": component.name,
         "points": int(component.points),
         "deviation": None if component.deviation is None else _deviation(component.deviation),
-        "as_built": None if component.as_built is None else {"deviation": _deviation(component.as_built)},
+        "as_built": _measured(component.as_built),
+        "nurbs": _measured(component.nurbs),
         "coverage": _number(component.coverage),
     }
 
@@ -258,6 +260,11 @@ def _as_built(fitted: FittedVault) -> dict[str, Any] | None:
         return None
     told = {"deviation": _deviation(fitted.as_built)}
     return told if fitted.surface is None else told | {"from_ideal": _deviation(apart(fitted.vault, fitted.surface))}
+
+
+def _measured(deviation: Deviation | None) -> dict[str, Any] | None:
+    """Distances of points to a surface in which they had no part."""
+    return None if deviation is None else {"deviation": _deviation(deviation)}
 
 
 def _deviation(deviation: Deviation) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from vaultcad.measure.routes import routes
 from vaultcad.model import Component, FittedVault
 from vaultcad.uncertain import Deviation
 
-ROUTES = {"ideal": "ideal model", "as_built": "as-built surface"}
+ROUTES = {"ideal": "ideal model", "as_built": "as-built surface", "nurbs": "free surfaces"}
 """What people call the models of a vault, by the names of `routes`."""
 WHOLE = "all"
 

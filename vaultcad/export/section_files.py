@@ -13,8 +13,10 @@ from vaultcad.export.section_json import write_section_json
 from vaultcad.model import Model
 from vaultcad.sections.section import Section
 
-WRITERS: dict[str, Callable[[Model, Sequence[Section], Path], None]] = {
-    "sections.json": write_section_json,
+SECTIONS = "sections.json"
+Writer = Callable[[Model, Sequence[Section], Path], None]
+WRITERS: dict[str, Writer] = {
+    SECTIONS: write_section_json,
     "sections.dxf": write_section_dxf,
 }
 PIXELS = 120.0  # of drawings, a metre

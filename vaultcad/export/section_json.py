@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.void.upright import Upright
+from vaultcad.coordinates import Coordinates, placed, says
 from vaultcad.model import Model
 from vaultcad.sections.section import ModelLine, Section, SectionArc, SectionArch, SectionPart
 from vaultcad.uncertain import Deviation, Estimate
@@ -21,31 +22,34 @@ SCHEMA = 1
 DIGITS, ANGLE_DIGITS = 4, 6  # a tenth of a millimetre
 
 
-def write_section_json(model: Model, sections: Sequence[Section], path: Path) -> None:
-    """Write them all, with where the scan's coordinates begin."""
-    told = {
+def write_section_json(
+    model: Model, sections: Sequence[Section], path: Path, coordinates: Coordinates = "file"
+) -> None:
+    """Write them all, lines also in space, in those coordinates."""
+    whole = {
         "schema": SCHEMA,
         "scan": {"name": model.scan.name},
         "origin": [float(v) for v in model.origin],
-        "sections": [plain(section) for section in sections],
+        "coordinates": says(model, coordinates),
+        "sections": [plain(model, section, coordinates) for section in sections],
     }
-    path.write_text(json.dumps(told, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    path.write_text(json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
 
 
-def plain(section: Section) -> dict[str, Any]:
-    """One section. `line` holds points [u, z], `scan_line` the same in the scan's coordinates, z up [m]."""
+def plain(model: Model, section: Section, coordinates: Coordinates) -> dict[str, Any]:
+    """One section. `line` holds points [u, z] [m], `scan_line` the same in space, in the coordinates of the file."""
     return {
         "id": section.id,
         "vault": section.vault or None,
         "arch": section.arch or None,
-        "plane": _plane(section),
+        "plane": _plane(model, section, coordinates),
         "slab": section.slab,
         "grid": section.grid,
         "points": section.points,
         "profile": [
             {
                 "line": _rows(run.line),
-                "scan_line": _rows(section.in_scan(run.line)),
+                "scan_line": _rows(placed(model, section.in_scan(run.line), coordinates)),
                 "std": _row(run.std),
                 "components": _stretches(section, run.component),
             }
@@ -59,21 +63,21 @@ def plain(section: Section) -> dict[str, Any]:
     }
 
 
-def _plane(section: Section) -> dict[str, Any]:
+def _plane(model: Model, section: Section, coordinates: Coordinates) -> dict[str, Any]:
     plane = section.plane
-    told: dict[str, Any] = {"kind": plane.kind, "name": plane.name, "told": plane.told}
+    where: dict[str, Any] = {"kind": plane.kind, "name": plane.name, "told": plane.told}
     if isinstance(plane.cut, Upright):
         ends = section.in_scan(np.array([[0.0, 0.0], [1.0, 0.0]]))
         along = ends[1] - ends[0]
-        told |= {
+        where |= {
             "through": _row(np.array(plane.cut.origin)),
             "azimuth_deg": round(degrees(plane.cut.azimuth), ANGLE_DIGITS),
-            "scan_through": _row(ends[0]),
+            "scan_through": _row(placed(model, ends[:1], coordinates)[0]),
             "scan_azimuth_deg": round(float(np.degrees(np.arctan2(along[1], along[0]))), ANGLE_DIGITS),
         }
     else:
-        told["level"] = plane.cut.z
-    return told
+        where["level"] = plane.cut.z
+    return where
 
 
 def _stretches(section: Section, component: NDArray[np.uint16]) -> list[dict[str, Any]]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from families import Vault
 from vaultcad.cubic_grid import add_to_bands, basis
 from vaultcad.displacement import RESOLUTION, Displacement
+from vaultcad.measure.chessboard import on_black
 from vaultcad.measure.routes import as_built_distance
 
 Array = NDArray[np.float64]
@@ -26,7 +27,6 @@ WITHHELD = 5  # every so many points choose among these weights, and then join t
 BETTER = 0.98  # of the error with a rougher field, that of the smoother one above it, from which on it is taken
 REST = 1e-2  # weight of the squared coefficients against that: what no point tells of, as motion along it, is none
 CLUTTER = 4.685  # scatters from the surface at which a point no longer counts (Tukey's biweight, 95 % efficient)
-SQUARE = 0.25  # [m], side of the cubes of points that make the surface or measure it
 MAKING, MEASURING = 6_000, 25_000  # points at the most; more tell no more, see `docs/measured.md`
 FEWEST = 100  # points from which on there is a surface
 
@@ -52,8 +52,8 @@ def as_built(
     ones measure it. Points farther than `tolerance` [m] from the ideal vault, as on the faces of an arch, are not its.
     None where they are too few, or so far from it that the surface may fold.
     """
-    black = rng.permutation(np.flatnonzero(_is_black(thinned)))[:MAKING]
-    white = np.sort(rng.permutation(np.flatnonzero(~_is_black(points)))[:MEASURING])
+    black = rng.permutation(np.flatnonzero(on_black(thinned)))[:MAKING]
+    white = np.sort(rng.permutation(np.flatnonzero(~on_black(points)))[:MEASURING])
     here, there = vault.evaluate(thinned[black]), vault.evaluate(points[white])
     near, white = np.abs(here.distance) <= tolerance, white[np.abs(there.distance) <= tolerance]
     if near.sum() < FEWEST or len(white) < FEWEST:
@@ -63,11 +63,6 @@ def as_built(
     if surface.may_fold:
         return None
     return AsBuilt(surface, white, as_built_distance(vault, surface, points[white]))
-
-
-def _is_black(points: NDArray[np.floating]) -> NDArray[np.bool_]:
-    black: NDArray[np.bool_] = np.floor(points / SQUARE).astype(np.int64).sum(axis=1) % 2 == 0
-    return black
 
 
 def displacement(points: Array, normals: Array, distances: Array) -> Displacement:

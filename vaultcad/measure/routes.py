@@ -20,7 +20,7 @@ PLACES = 3000  # on an ideal surface at which it is compared with the as-built o
 
 def routes(measured: FittedVault | Component) -> Mapping[str, Deviation]:
     """How far the points of a vault, or of one of its components, are from each of its models, by their names."""
-    found = {"ideal": measured.deviation, "as_built": measured.as_built}
+    found = {"ideal": measured.deviation, "as_built": measured.as_built, "nurbs": measured.nurbs}
     return {name: deviation for name, deviation in found.items() if deviation is not None}
 
 

@@ -219,9 +219,11 @@ class Cells:
         """Of points (n,)."""
         i, j = (np.floor(x / size).astype(np.int64) for x in (u, v))
         i, j = i - i.min(), j - j.min()
-        _, where, count = np.unique(i * (j.max() + 1) + j, return_inverse=True, return_counts=True)
-        a, b, c = (np.bincount(where, x, len(count)) / count for x in (u, v, reach))
-        return Cells(a, b, c, np.minimum(count / FULL, 1.0))
+        where = i * (j.max() + 1) + j
+        count = np.bincount(where)
+        full = np.flatnonzero(count)
+        a, b, c = (np.bincount(where, x)[full] / count[full] for x in (u, v, reach))
+        return Cells(a, b, c, np.minimum(count[full] / FULL, 1.0))
 
 
 def fitted(domain: Domain, cells: Cells, held: Cells | None = None) -> Field:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
+from vaultcad.errors import NoSurfaceError
 from vaultcad.nurbs.charts import Chart
 from vaultcad.nurbs.cusps import alike, kept_apart
 from vaultcad.nurbs.field import Cells, Domain, fitted
@@ -108,14 +109,14 @@ def free_form(vault: Vault, xyz: Array, component: NDArray[np.integer], *, led: 
     led: whether surfaces are led through common edges, moved smoothly from the ideal, instead of being intersected.
 
     Raises:
-        ValueError: OpenCASCADE cannot build the vault's outline, or no component has points.
+        NoSurfaceError: OpenCASCADE cannot build the vault's outline, or no component has points.
     """
     outline = outline_of(vault)
     domains = [_domain(outline, k) for k in range(len(outline.regions))]
     cells = _shared_out(outline, xyz, component)
     unseen = tuple(k for k, mine in enumerate(cells) if len(mine.u) < FEW)
     if len(unseen) == len(cells):
-        raise ValueError("no component has points enough for a surface; give a scan with its labels")
+        raise NoSurfaceError("no component has points enough for a surface; give a scan with its labels")
     free = [
         FreeSurface(region.chart, fitted(domain, mine))
         for region, domain, mine in zip(outline.regions, domains, cells, strict=True)

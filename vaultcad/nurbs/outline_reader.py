@@ -7,6 +7,7 @@ has at its crown, it is two fields of surface that meet there.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from math import cos, radians
 from typing import TYPE_CHECKING, Any
 
@@ -16,27 +17,35 @@ from numpy.typing import NDArray
 from families import Vault
 from families.declaration.pieces import BarrelPart, Lid, Part, Turned
 from families.declaration.units import MM
+from vaultcad.errors import NoSurfaceError
 from vaultcad.nurbs.chart_choice import chart_of
 from vaultcad.nurbs.outline import Edge, Face, Outline, Region
 
 if TYPE_CHECKING:
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.TopoDS import TopoDS_Edge, TopoDS_Face
 
 Array = NDArray[np.float64]
 CREASE = cos(radians(5.0))  # of the angle between two faces of a component, from which on they are no one surface
 APART = 0.06  # m, distance of nodes along an edge
 FEWEST, MOST = 9, 129  # nodes of an edge
+STEPS = 513  # places of an edge by which its length is measured
+KEPT = 4  # outlines that are remembered
 
 
+@lru_cache(maxsize=KEPT)
 def outline_of(vault: Vault) -> Outline:
     """The outline of a vault's intrados.
 
     Raises:
-        ValueError: OpenCASCADE cannot build it.
+        NoSurfaceError: OpenCASCADE cannot build it.
     """
     from families.solid import brep
 
-    shape = brep.surface(vault)
+    try:
+        shape = brep.surface(vault)
+    except ValueError as error:
+        raise NoSurfaceError(str(error)) from error
     names = [(face, name) for face, name in brep.face_names(shape, vault) if name in vault.components]
     return _Reader(vault, names).outline()
 
@@ -187,18 +196,24 @@ def part_of(vault: Vault, name: str) -> Part | None:
 
 
 def _spread(edge: TopoDS_Edge) -> tuple[Array, Array]:
-    """Places and unit tangents (n, 3) at even distances along an edge, its ends included [m]."""
+    """Places and unit tangents (n, 3) at about even distances along an edge, its ends included [m]."""
     from OCP.BRepAdaptor import BRepAdaptor_Curve
-    from OCP.GCPnts import GCPnts_AbscissaPoint, GCPnts_UniformAbscissa
-    from OCP.gp import gp_Pnt, gp_Vec
 
     curve = BRepAdaptor_Curve(edge)
-    count = int(np.clip(GCPnts_AbscissaPoint.Length_s(curve) / MM / APART, FEWEST - 1, MOST - 1)) + 1
-    even = GCPnts_UniformAbscissa(curve, count)
-    places, tangents = np.empty((count, 3)), np.empty((count, 3))
+    fine = np.linspace(curve.FirstParameter(), curve.LastParameter(), STEPS)
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(_along(curve, fine)[0], axis=0), axis=1))])
+    count = int(np.clip(length[-1] / APART, FEWEST - 1, MOST - 1)) + 1
+    return _along(curve, np.interp(np.linspace(0, length[-1], count), length, fine))
+
+
+def _along(curve: BRepAdaptor_Curve, parameters: Array) -> tuple[Array, Array]:
+    """Places and unit tangents (n, 3) of a curve [m]."""
+    from OCP.gp import gp_Pnt, gp_Vec
+
+    places, tangents = np.empty((len(parameters), 3)), np.empty((len(parameters), 3))
     point, vector = gp_Pnt(), gp_Vec()
-    for k in range(count):
-        curve.D1(even.Parameter(k + 1), point, vector)
+    for k, parameter in enumerate(parameters.tolist()):
+        curve.D1(parameter, point, vector)
         places[k] = point.X(), point.Y(), point.Z()
         tangents[k] = vector.X(), vector.Y(), vector.Z()
     size = np.linalg.norm(tangents, axis=1, keepdims=True)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from families import Vault
 from families.void.upright import Upright
 from vaultcad.group_medians import group_medians
+from vaultcad.sections.crease import CREASED, showing
 from vaultcad.sections.guide import Guide
 from vaultcad.sections.section import Level, ModelLine, ProfileRun
 from vaultcad.sections.smooth import smooth
@@ -27,6 +28,9 @@ ALIKE = 3.0  # scatters from the median of its cell, beyond which a point is clu
 FINEST = 0.001  # m, least scatter of a cell
 TEXTURE = 4.0  # points of a cell that tell as much as endless many: what is left is the stone's own relief
 SIDEWAYS = 0.1  # of an offset, by which it is unsure: stone that moved along the surface as well shows another place
+AT_ENDS = 0.7  # of how far stone has moved, by which a line is unsure at its ends and kinks
+BESIDE_ENDS = 0.1  # m, over which that fades
+ON_CREASE = 0.002  # m to either side of a plane, between which a crease in it lies
 GAP = 0.06  # m from the nearest cell with points, to which a line goes on
 CORNER = 0.05  # m that two lines are extended to meet
 
@@ -36,7 +40,8 @@ class Stations:
     """What the scan says along a guide, a cell of the grid each.
 
     sample: (m,) nearest sample of the guide. s: (m,) [m] along its piece. offset: (m,) [m] of the stone from the ideal
-    line along its normal, positive into the stone. std: (m,) [m]. count: (m,) points.
+    line along its normal, positive into the stone. std: (m,) [m]. count: (m,) points. unsure: (m,) [m] by which all of
+    them may be off together, where a crease runs along the plane.
     """
 
     sample: NDArray[np.int64]
@@ -44,6 +49,7 @@ class Stations:
     offset: Floats
     std: Floats
     count: NDArray[np.int64]
+    unsure: Floats
 
     def of(self, guide: Guide, piece: slice) -> NDArray[np.bool_]:
         """Those (m,) on one piece of their guide."""
@@ -78,8 +84,18 @@ def stations(vault: Vault, plane: Upright, guide: Guide, points: Floats, grid: f
     hit = slant > 0.5 * guide.slant[sample]  # else it is another face, behind a crease
     points, sample, offset = points[hit], sample[hit], (surface.distance / np.where(hit, slant, 1.0))[hit]
     s = guide.s[sample] + ((plane.drawn(points) - guide.at[sample]) * guide.tangent[sample]).sum(axis=1)
-    cell = (guide.piece[sample] << 32) + np.floor(np.maximum(s, 0.0) / grid).astype(np.int64)
-    return _cells(guide, cell, s, offset, np.abs(slant[hit]))
+    piece = guide.piece[sample]
+    cell = (piece << 32) + np.floor(np.maximum(s, 0.0) / grid).astype(np.int64)
+    tilt = np.where(_on_crease(vault, plane, guide)[sample], surface.normal[hit, :2] @ np.array(plane.normal), 0.0)
+    here, unsure = showing(piece, cell, s, offset, plane.off(points), tilt)
+    return _cells(guide, cell[here], s[here], offset[here], np.abs(slant[hit][here]), unsure[here])
+
+
+def _on_crease(vault: Vault, plane: Upright, guide: Guide) -> NDArray[np.bool_]:
+    """Which samples (n,) of a guide are on a crease of the ideal vault, on which its normals turn across the plane."""
+    at, across = plane.placed(guide.at), np.array([*plane.normal, 0.0])
+    one, other = (vault.evaluate(at + way * ON_CREASE * across).normal @ across for way in (-1, 1))
+    return np.asarray(np.abs(other - one) > 2 * CREASED, np.bool_)
 
 
 def wall_stations(guide: Guide, points: Floats, grid: float) -> Stations:
@@ -95,10 +111,10 @@ def wall_stations(guide: Guide, points: Floats, grid: float) -> Stations:
         (apart * guide.normal[sample]).sum(axis=1),
     )
     cell = (guide.piece[sample] << 32) + np.floor(np.maximum(s, 0.0) / grid).astype(np.int64)
-    return _cells(guide, cell, s, offset, np.ones(len(s)))
+    return _cells(guide, cell, s, offset, np.ones(len(s)), np.zeros(len(s)))
 
 
-def _cells(guide: Guide, cell: NDArray[np.int64], s: Floats, offset: Floats, slant: Floats) -> Stations:
+def _cells(guide: Guide, cell: NDArray[np.int64], s: Floats, offset: Floats, slant: Floats, unsure: Floats) -> Stations:
     """The means of each cell, without what lies far from its median; `slant` turns offsets into distances."""
     kept = np.ones(len(cell), np.bool_)
     if len(cell):
@@ -108,7 +124,7 @@ def _cells(guide: Guide, cell: NDArray[np.int64], s: Floats, offset: Floats, sla
         kept = np.abs(offset - middle[group]) <= ALIKE * scatter[group]
     keys, group = np.unique(cell[kept], return_inverse=True)
     count = np.bincount(group, minlength=len(keys))
-    means = [np.bincount(group, values[kept], len(keys)) / count for values in (s, offset)]
+    means = [np.bincount(group, values[kept], len(keys)) / count for values in (s, offset, unsure)]
     lean = np.bincount(group, slant[kept], len(keys)) / count
     spread = lean**2 * np.bincount(group, (offset[kept] - means[1][group]) ** 2, len(keys)) / np.maximum(count - 1, 1)
     usual = float(np.sqrt(np.median(spread[count > 2]))) if (count > 2).any() else FINEST
@@ -117,7 +133,7 @@ def _cells(guide: Guide, cell: NDArray[np.int64], s: Floats, offset: Floats, sla
     for part in guide.pieces():
         own = piece == guide.piece[part.start]
         sample[own] = part.start + np.clip(np.searchsorted(guide.s[part], means[0][own]), 0, part.stop - part.start - 1)
-    return Stations(sample, means[0], means[1], std, count)
+    return Stations(sample, means[0], means[1], std, count, means[2])
 
 
 def profile(guide: Guide, found: Stations, grid: float) -> tuple[ProfileRun, ...]:
@@ -157,7 +173,12 @@ def _piece(
     curve = smooth(at, found.offset[mine][own], found.std[mine][own] ** -2, (float(s[0]), float(s[-1])))
     places = np.linspace(s[0], s[-1], max(2, round(float(s[-1] - s[0]) / grid) + 1))
     offset, std = curve(places)
-    std = np.hypot(std, SIDEWAYS * offset)
+    std = np.sqrt(
+        std**2
+        + (SIDEWAYS * offset) ** 2
+        + np.interp(places, at, found.unsure[mine][own]) ** 2
+        + _at_ends(guide, piece, found, places) ** 2
+    )
     columns = [np.interp(places, s, values[piece, k]) for values in (guide.at, guide.normal) for k in (0, 1)]
     line = np.column_stack(columns[:2]) + offset[:, None] * np.column_stack(columns[2:])
     component = guide.component[piece][np.clip(np.searchsorted(s, places), 0, len(s) - 1)]
@@ -168,6 +189,16 @@ def _piece(
     for a, b in zip(ends[::2].tolist(), ends[1::2].tolist(), strict=True):
         if b - a > 1:
             yield line[a:b], std[a:b], component[a:b], a == 0
+
+
+def _at_ends(guide: Guide, piece: slice, found: Stations, places: Floats) -> Floats:
+    """How unsure a line is beside the ends of its piece (n,) [m], for stone has moved along it, too.
+
+    By about as much as across it: a kink stands elsewhere then, and a foot, where the vault is narrow, shows the wall.
+    """
+    moved = float(np.sqrt(np.mean(found.offset**2)))
+    away = np.minimum(places - guide.s[piece.start], guide.s[piece.stop - 1] - places)
+    return np.asarray(AT_ENDS * moved * np.exp(-away / BESIDE_ENDS), np.float64)
 
 
 def _corner(before: Floats, line: Floats) -> Floats | None:

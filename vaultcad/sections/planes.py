@@ -11,6 +11,7 @@ from itertools import pairwise
 from math import ceil, cos, hypot, pi, radians, sin
 
 import numpy as np
+from numpy.typing import NDArray
 
 from families import Vault
 from families.declaration.pieces import Ball, BarrelPart, Turned, Web
@@ -18,6 +19,7 @@ from families.declaration.plan_sides import Side, Vector
 from families.void.columns import heights
 from families.void.upright import Upright, chords, outlines
 from vaultcad.model import PlacedVault
+from vaultcad.sections.guide import guides
 from vaultcad.sections.section import Level, SectionPlane
 
 INSET = 0.06  # m from a wall to the plane that shows the arch on it: the slab is clear of the wall
@@ -25,6 +27,7 @@ BELOW = 0.03  # m below the springing, of the level plane that shows the walls t
 ALIKE_OFFSET, ALIKE_ANGLE = 0.05, radians(0.5)  # m, rad: planes so near to each other are one
 SHORTEST = 0.3  # m over the plan, of a plane that shows anything
 ON_A_WALL, WALL_MIDDLE = 0.1, 0.8  # of the whole rise, by which an arch on a wall rises over so much of its length
+MOSTLY = 0.5  # of its width that an arch on a wall is to be cut
 CORNER_REACH = (0.5, 0.3)  # of the way from a corner to the middle, where creases are looked for
 CREASE_STEPS, CREASE_ROUNDS = 61, 3  # directions in which they are, again and again between two of them
 CREASE_ANGLE = radians(1.5)  # by which a crease may turn between both reaches
@@ -197,9 +200,16 @@ def _on_walls(vault: Vault) -> Iterator[Asked]:
         for line, _ in outlines(vault, plane):
             u, z = line.T
             inner = z[np.abs(u - (u[0] + u[-1]) / 2) < WALL_MIDDLE * (u[-1] - u[0]) / 2]
-            if len(inner) and np.ptp(inner) > ON_A_WALL * vault.top:
+            if len(inner) and np.ptp(inner) > ON_A_WALL * vault.top and _is_cut(vault, plane, line):
                 yield "wall arch", plane
                 break
+
+
+def _is_cut(vault: Vault, plane: Upright, line: NDArray[np.float64]) -> bool:
+    """Whether a plane cuts the vault along most of a line, and does not all but touch it."""
+    _, along = guides(vault, plane)
+    shown = sum(float(np.ptp(guide.at[piece, 0])) for guide in along for piece in guide.pieces())
+    return shown > MOSTLY * float(line[-1, 0] - line[0, 0])
 
 
 def _between(vault: Vault, planes: list[Asked]) -> Iterator[Asked]:

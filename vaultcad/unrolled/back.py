@@ -8,9 +8,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from segmentation.cloud import Up, turn_back
+from vaultcad.coordinates import Coordinates, placed
 from vaultcad.errors import ExportError
 from vaultcad.labelled_scan import LabelledScan
+from vaultcad.one_thread import one_thread
 from vaultcad.unrolled.drawn_lines import DrawnLine, LiftedLine
 from vaultcad.unrolled.raster import LaidScan, lay_scan
 
@@ -19,8 +20,11 @@ CELL = 0.02  # [m] over which the deviation is taken, with the cells around
 Array = NDArray[np.float64]
 
 
-def lift_lines(scan: LabelledScan, number: int, lines: Sequence[DrawnLine]) -> tuple[list[LiftedLine], list[str]]:
-    """Lines on the sheet of a vault, by its 1-based number, in the coordinates of the scan's file; and what to know.
+@one_thread
+def lift_lines(
+    scan: LabelledScan, number: int, lines: Sequence[DrawnLine], coordinates: Coordinates = "file"
+) -> tuple[list[LiftedLine], list[str]]:
+    """Lines on the sheet of a vault, by its 1-based number, in those coordinates; and what to know.
 
     A line that crosses from one part of the sheet to another is cut between them. Where the scan saw nothing it lies
     on the ideal surface.
@@ -43,7 +47,8 @@ def lift_lines(scan: LabelledScan, number: int, lines: Sequence[DrawnLine]) -> t
             off = np.nan_to_num(deviation)
             stone = xyz + off[:, None] * laid.sheet.normals(xyz)
             name = laid.sheet.leaves[leaf].name
-            found.append(LiftedLine(line.name, name, in_file(scan, number, stone), st, off))
+            there = placed(scan.model, in_scan(scan, number, stone), coordinates)
+            found.append(LiftedLine(line.name, name, there, st, off))
     notes = []
     if cut:
         notes.append(f"lines that cross from part to part were cut there, {cut} times")
@@ -52,14 +57,11 @@ def lift_lines(scan: LabelledScan, number: int, lines: Sequence[DrawnLine]) -> t
     return found, notes
 
 
-def in_file(scan: LabelledScan, number: int, xyz: Array) -> Array:
-    """Points (n, 3) [m] of a vault's frame in the coordinates, the axes and the unit of the scan's file."""
-    model = scan.model
-    placed = model.vaults[number - 1].pose.placement()
-    there = xyz @ placed[:3, :3].T + placed[:3, 3] + model.origin
-    up: Up = model.settings.get("up", "z")
-    turned: Array = turn_back(there, up) / np.array(model.settings.get("scale", [model.unit] * 3))
-    return turned
+def in_scan(scan: LabelledScan, number: int, xyz: Array) -> Array:
+    """Points (n, 3) [m] of a vault's frame where the scan has them, z up."""
+    place = scan.model.vaults[number - 1].pose.placement()
+    there: Array = xyz @ place[:3, :3].T + place[:3, 3] + scan.model.origin
+    return there
 
 
 def _on_parts(laid: LaidScan, line: DrawnLine) -> Iterator[tuple[Array, int]]:

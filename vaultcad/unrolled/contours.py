@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import ceil, floor, log10
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,11 +71,14 @@ def _smoothed(found: Raster, what: str) -> tuple[NDArray[np.float64], tuple[floa
     known = np.isfinite(values)
     rows, columns = np.arange(0, values.shape[0], step), np.arange(0, values.shape[1], step)
 
-    def blocks(pixels: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.add.reduceat(np.add.reduceat(pixels, rows, axis=0), columns, axis=1)
+    def blocks(pixels: NDArray[Any]) -> NDArray[np.float64]:
+        found: NDArray[np.float64] = np.add.reduceat(
+            np.add.reduceat(pixels, rows, axis=0, dtype=np.float64), columns, axis=1
+        )
+        return found
 
-    weight = gaussian_filter(blocks(known.astype(np.float64)), SPREAD, mode="constant") / step**2
-    total = gaussian_filter(blocks(np.where(known, values, 0.0).astype(np.float64)), SPREAD, mode="constant") / step**2
+    weight = gaussian_filter(blocks(known), SPREAD, mode="constant") / step**2
+    total = gaussian_filter(blocks(np.where(known, values, 0)), SPREAD, mode="constant") / step**2
     out = np.full((n, m), np.nan)
     np.divide(total, weight, out=out, where=weight > COVERED)
     return out, (found.left, found.top), step * found.pixel

@@ -72,9 +72,9 @@ def read_lines(path: Path) -> list[DrawnLine]:
     return found
 
 
-def write_lifted(lines: Sequence[LiftedLine], path: Path) -> None:
-    """Write lines in space to a file of a suffix in `WRITERS`."""
-    WRITERS[path.suffix.lower()](lines, path)
+def write_lifted(lines: Sequence[LiftedLine], path: Path, place: str) -> None:
+    """Write lines in space to a file of a suffix in `WRITERS`; place: in which coordinates they are, in words."""
+    WRITERS[path.suffix.lower()](lines, path, place)
 
 
 def write_sheet(sheet: Sheet, lines: Iterable[Contour], path: Path, place: str) -> None:
@@ -144,18 +144,18 @@ def _read_csv(path: Path) -> Iterator[DrawnLine]:
     yield from (DrawnLine(name, np.array(points)) for name, points in lines.items())
 
 
-def _write_dxf(lines: Sequence[LiftedLine], path: Path) -> None:
+def _write_dxf(lines: Sequence[LiftedLine], path: Path, place: str) -> None:
     names = [FORBIDDEN.sub("_", line.name) or "0" for line in lines]
     layers: dict[str, str] = {}  # to DXF names that differ by their case alone are one
     for name in names:
         layers.setdefault(name.lower(), name)
-    with dxf_document(path, "coordinates of the scan's file") as document:
+    with dxf_document(path, place) as document:
         add_layers(document, {name: DRAWN for name in layers.values() if name not in document.layers})
         for line, name in zip(lines, names, strict=True):
             document.modelspace().add_polyline3d(line.points.round(6).tolist(), dxfattribs={"layer": name})
 
 
-def _write_json(lines: Sequence[LiftedLine], path: Path) -> None:
+def _write_json(lines: Sequence[LiftedLine], path: Path, place: str) -> None:
     features = [
         {
             "type": "Feature",
@@ -168,17 +168,19 @@ def _write_json(lines: Sequence[LiftedLine], path: Path) -> None:
         }
         for line in lines
     ]
-    told: dict[str, Any] = {"type": "FeatureCollection", "features": features}
+    told: dict[str, Any] = {"type": "FeatureCollection", "coordinates": place, "features": features}
     path.write_text(json.dumps(told, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
-def _write_csv(lines: Sequence[LiftedLine], path: Path) -> None:
+def _write_csv(lines: Sequence[LiftedLine], path: Path, place: str) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         rows = csv.writer(file)
-        rows.writerow(("line", "component", "x", "y", "z", "s", "t", "deviation"))
+        rows.writerow(("line", "component", "x", "y", "z", "s", "t", "deviation", "coordinates"))
         for k, line in enumerate(lines, 1):
             whole = np.column_stack([line.points, line.sheet, line.deviation])
-            rows.writerows([f"{line.name} {k}", line.component, *(f"{v:.6f}" for v in row)] for row in whole.tolist())
+            rows.writerows(
+                [f"{line.name} {k}", line.component, *(f"{v:.6f}" for v in row), place] for row in whole.tolist()
+            )
 
 
 READERS: dict[str, Callable[[Path], Iterable[DrawnLine]]] = {
@@ -187,7 +189,7 @@ READERS: dict[str, Callable[[Path], Iterable[DrawnLine]]] = {
     ".json": _read_json,
     ".csv": _read_csv,
 }
-WRITERS: dict[str, Callable[[Sequence[LiftedLine], Path], None]] = {
+WRITERS: dict[str, Callable[[Sequence[LiftedLine], Path, str], None]] = {
     ".dxf": _write_dxf,
     ".geojson": _write_json,
     ".csv": _write_csv,

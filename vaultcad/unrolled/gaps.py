@@ -18,8 +18,10 @@ FARTHEST = 8  # pixels at the most
 SIDES = 3  # of the four quarters around a pixel in which there have to be points: rims of holes do not grow
 
 
-def filled(channels: NDArray[np.float32], counts: NDArray[np.uint32]) -> NDArray[np.float32]:
-    """Channels (k, n, m) with their gaps closed by the mean of the pixels around, by their distances; NaN elsewhere.
+def fill(channels: NDArray[np.float32], counts: NDArray[np.uint32]) -> None:
+    """Close the gaps of channels (k, n, m), NaN where there are no points, by the mean of the pixels around.
+
+    These are weighed by their distances; what is far from points stays NaN.
 
     counts: of the points in each pixel (n, m).
     """
@@ -29,10 +31,9 @@ def filled(channels: NDArray[np.float32], counts: NDArray[np.uint32]) -> NDArray
     rows = np.add.reduceat(counts, np.arange(0, n, BLOCK), axis=0, dtype=np.int64)
     blocks[1:-1, 1:-1] = np.add.reduceat(rows, np.arange(0, m, BLOCK), axis=1)
     around = sum(blocks[i : i + tall, j : j + wide] for i in range(3) for j in range(3))
-    out = channels.copy()
     with threads() as pool:
-        list(pool.map(lambda row: _fill(channels, counts, np.asarray(around), out, row, row + BAND), range(0, n, BAND)))
-    return out
+        # Reads pixels with points and writes those without, so that no thread sees what another one does.
+        list(pool.map(lambda row: _fill(channels, counts, np.asarray(around), row, row + BAND), range(0, n, BAND)))
 
 
 @njit(cache=True, nogil=True)
@@ -40,7 +41,6 @@ def _fill(
     channels: NDArray[np.float32],
     counts: NDArray[np.uint32],
     around: NDArray[np.int64],
-    out: NDArray[np.float32],
     first: int,
     last: int,
 ) -> None:
@@ -74,4 +74,4 @@ def _fill(
             sides = (quarters & 1) + (quarters >> 1 & 1) + (quarters >> 2 & 1) + (quarters >> 3 & 1)
             if sides >= SIDES:
                 for c in range(k):
-                    out[c, i, j] = total[c] / weight
+                    channels[c, i, j] = total[c] / weight

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from families.unrolled.gores import MOST_DISTORTED
 from families.unrolled.sheet import Leaf, Sheet
 from vaultcad.labelled_scan import LabelledScan
+from vaultcad.one_thread import one_thread
 from vaultcad.unrolled.contours import Contour, contours
 from vaultcad.unrolled.drawn_lines import write_sheet
 from vaultcad.unrolled.pictures import MEASURED, write_picture, write_values
@@ -31,6 +32,7 @@ class Written(NamedTuple):
     sheets: tuple[Mapping[str, Any], ...]
 
 
+@one_thread
 def write_maps(
     scan: LabelledScan,
     folder: Path,

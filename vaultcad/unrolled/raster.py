@@ -9,18 +9,19 @@ from math import ceil, sqrt
 from typing import Any
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from families.unrolled.sheet import Sheet, unrolled
 from segmentation.threads import threads
 from vaultcad.errors import ExportError
 from vaultcad.labelled_scan import LabelledScan
-from vaultcad.unrolled.gaps import filled
+from vaultcad.unrolled.gaps import fill
 
 CHUNK = 1 << 17  # points that a thread takes at once
 PIXELS = (0.001, 0.002, 0.003, 0.004, 0.005)  # m, of which the first is chosen that points fill
 LARGER = (0.01, 0.02, 0.05)  # m, where the sheet is too large for these
-MOST_PIXELS = 30_000_000  # of a sheet whose pixel is chosen
+MOST_PIXELS = 20_000_000  # of a sheet whose pixel is chosen
 MOST_ASKED = 250_000_000  # and of one whose pixel is asked for
 WHAT = ("deviation", "height", "intensity", "colour")
 
@@ -114,24 +115,34 @@ def raster(laid: LaidScan, pixel: float, what: Iterable[str]) -> Raster:
             f"--pixel {pixel:g}: the sheet of vault {laid.number} would have {wide} x {tall} pixels; "
             f"give {ceil(1e4 * least) / 1e4:g} or more"
         )
-    x = np.clip((laid.place[:, 0] / np.float32(pixel)).astype(np.int64), 0, wide - 1)
-    y = np.clip((laid.place[:, 1] / np.float32(pixel)).astype(np.int64), 0, tall - 1)
-    at = (tall - 1 - y) * wide + x
+    at = _pixels(laid.place, pixel, wide, tall)
     counts = np.bincount(at, minlength=wide * tall).astype(np.uint32)
-    shape, names, rows = (tall, wide), [], []
-    for name in what:
-        if (values := laid.values(name)) is not None:
-            for column in values.T if values.ndim == 2 else (values,):
-                names.append(name)
-                rows.append(_means(at, column, counts).reshape(shape))
-    closed = filled(np.stack(rows), counts.reshape(shape)) if rows else np.zeros((0, *shape), np.float32)
-    channels = {name: closed[[k for k, own in enumerate(names) if own == name]] for name in dict.fromkeys(names)}
+    known = {name: values for name in what if (values := laid.values(name)) is not None}
+    columns = [(name, row) for name, values in known.items() for row in (values.T if values.ndim == 2 else (values,))]
+    means = np.zeros((len(columns), tall * wide), np.float32)
+    for mean, (_, row) in zip(means, columns, strict=True):
+        _add(at, row, counts, mean)
+    means[:, counts == 0] = np.nan
+    shape = (tall, wide)
+    closed, counted = means.reshape(len(columns), *shape), counts.reshape(shape)
+    fill(closed, counted)
+    names = [name for name, _ in columns]
+    channels = {name: closed[names.index(name) :][: names.count(name)] for name in known}
     channels = {name: rows if len(rows) > 1 else rows[0] for name, rows in channels.items()}
-    return Raster(pixel, s0, t0 + tall * pixel, counts.reshape(shape), channels)
+    return Raster(pixel, s0, t0 + tall * pixel, counted, channels)
 
 
-def _means(at: NDArray[np.int64], values: NDArray[Any], counts: NDArray[np.uint32]) -> NDArray[np.float32]:
-    sums = np.bincount(at, weights=values, minlength=len(counts))
-    with np.errstate(invalid="ignore"):
-        found: NDArray[np.float32] = (sums / counts).astype(np.float32)
+def _pixels(place: NDArray[np.float32], pixel: float, wide: int, tall: int) -> NDArray[np.int32]:
+    """The pixel (n,) in which each point is, counted along rows from the top."""
+    x, y = (
+        np.clip((place[:, k] / np.float32(pixel)).astype(np.int32), 0, most - 1) for k, most in enumerate((wide, tall))
+    )
+    found: NDArray[np.int32] = (tall - 1 - y) * np.int32(wide) + x
     return found
+
+
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator,unused-ignore]
+def _add(at: NDArray[np.int32], values: NDArray[Any], counts: NDArray[np.uint32], mean: NDArray[np.float32]) -> None:
+    """Add to the mean of each pixel its points' shares; in single precision, as a sheet of all channels is large."""
+    for k in range(len(at)):
+        mean[at[k]] += values[k] / counts[at[k]]

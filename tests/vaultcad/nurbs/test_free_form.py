@@ -68,7 +68,7 @@ def test_surfaces_are_near_the_truth_though_the_scan_is_noisy(cls):
     sample = scan_of(cls())[1]
     off = np.abs(vault.form.distance(sample.xyz, sample.component))
     assert np.quantile(off, 0.99) < CREASED.get(cls.id, TRUTH)
-    assert vault.deviation.mean < (1.5 if cls.id in CREASED else 1.0) * NOISE
+    assert vault.through.whole.mean < (1.5 if cls.id in CREASED else 1.0) * NOISE
 
 
 @pytest.mark.parametrize("cls", SHEETS, ids=lambda cls: cls.id)
@@ -169,7 +169,7 @@ def test_json_tells_surfaces_and_deviations(files):
     told = json.loads((out / "nurbs.json").read_text())
     vault = told["vaults"][0]
     assert vault["watertight"]
-    assert vault["deviation"]["mean"] == pytest.approx(route.vaults[0].deviation.mean, abs=1e-6)
+    assert vault["deviation"]["mean"] == pytest.approx(route.vaults[0].through.whole.mean, abs=1e-6)
     for component in vault["components"]:
         (surface,) = component["surfaces"]
         points = np.array(surface["control_points"])

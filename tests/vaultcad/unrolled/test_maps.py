@@ -183,7 +183,7 @@ def test_lines_are_read_from_and_written_to_each_kind_of_file(barrel, tmp_path, 
     np.testing.assert_allclose(drawn.points, points)
     lifted, _ = lift_lines(barrel, 1, [drawn])
     out = tmp_path / f"lifted{suffix}"
-    write_lifted(lifted, out)
+    write_lifted(lifted, out, "metres")
     there = lifted[0].points
     if suffix == ".dxf":
         (entity,) = ezdxf.readfile(out).modelspace()
@@ -199,7 +199,7 @@ def test_lines_are_read_from_and_written_to_each_kind_of_file(barrel, tmp_path, 
 def test_layers_of_lines_whose_names_differ_by_their_case_are_one(barrel, tmp_path):
     drawn = [DrawnLine(name, np.array([[1.0, -2.0], [1.5, -1.0]])) for name in ("Crack", "crack")]
     lifted, _ = lift_lines(barrel, 1, drawn)
-    write_lifted(lifted, tmp_path / "lifted.dxf")
+    write_lifted(lifted, tmp_path / "lifted.dxf", "metres")
     document = ezdxf.readfile(tmp_path / "lifted.dxf")
     assert len(document.modelspace()) == 2
     assert document.layers.get("crack") is document.layers.get("Crack")
