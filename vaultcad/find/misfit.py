@@ -155,12 +155,14 @@ def _alike(place: Array, residual: Array, plan: Plan) -> float:
     middle = np.array([*plan.centre, 0.0])
     local, left = place - middle, residual - residual.mean()
     tree = cKDTree(local)
-    near = 2 * float(np.median(tree.query(local, 2)[0][:, 1]))
+    near = 2 * float(np.median(tree.query(local, [2])[0]))
     found = []
     for mirror in MIRRORS:
-        away, other = tree.query(local * mirror)
-        both = away < near
-        found.append(float(np.corrcoef(left[both], left[other[both]])[0, 1]) if both.sum() > ENOUGH / 2 else 1.0)
+        away, other = (np.asarray(column) for column in tree.query(local * mirror))
+        both = np.flatnonzero(away < near)
+        here, there = left[both], left[other[both]]
+        power = max(float(np.sqrt((here**2).sum() * (there**2).sum())), 1e-12)
+        found.append(float((here * there).sum()) / power if len(both) > ENOUGH / 2 else 1.0)
     return max(found)
 
 
