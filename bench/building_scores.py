@@ -21,6 +21,7 @@ Numbers = NDArray[np.int64]
 Array = NDArray[np.float64]
 
 FOUND, INVENTED = 0.6, 0.3  # IoU from which a vault is found, and below which a found one is none
+PLAN = ("span", "length")  # how names of lengths in plan begin
 LEAST = 500  # points of a vault that a scan has seen
 
 
@@ -29,7 +30,8 @@ class Score:
     """What became of one building. seconds by the clock, memory [bytes] at its peak; refusal: why nothing was found.
 
     said: stated confidence of every found vault, and whether it is right. sizes: largest error [m] of a length of each
-    bay that is one of several equal ones. arch_recall, arch_precision: of points; None where arches are not told.
+    bay that is one of several equal ones. plans: that of those in plan, which no settlement
+    hides. arch_recall, arch_precision: of points; None where arches are not told.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Score:
     components: tuple[float, ...] = ()
     said: tuple[tuple[float, bool], ...] = ()
     sizes: tuple[float, ...] = ()
+    plans: tuple[float, ...] = ()
     arch_recall: float | None = None
     arch_precision: float | None = None
     stray: float = 0.0
@@ -69,6 +72,7 @@ def score(truth: Mapping[str, NDArray[Any]], case: Mapping[str, Any], result: Re
     found = {t: f for t, f in pairs.items() if t in there and iou[t - 1, f - 1] >= FOUND}
     right = {t: f for t, f in found.items() if is_right(told[t - 1], fitted[f - 1])}
     stone = (kind == Kind.PIER) | (kind == Kind.ARCH)
+    off = list(errors(told, right, fitted))
     families = {family: [t for t in there.tolist() if told[t - 1]["family"] == family] for family in ids(told, there)}
     return {
         "vaults": len(there),
@@ -79,7 +83,8 @@ def score(truth: Mapping[str, NDArray[Any]], case: Mapping[str, Any], result: Re
             component_iou(np.where(merged == t, component, 0), np.where(own == f, part, 0)) for t, f in right.items()
         ),
         "said": tuple((one.confidence, f in right.values()) for f, one in enumerate(fitted, 1)),
-        "sizes": tuple(sizes(told, right, fitted)),
+        "sizes": tuple(max(one.values()) for one in off),
+        "plans": tuple(max(plan) for one in off if (plan := [one[name] for name in one if name.startswith(PLAN)])),
         "stray": float((own[stone] > 0).mean()) if stone.any() else 0.0,
         "families": {family: (sum(t in right for t in group), len(group)) for family, group in families.items()},
         **arches(truth["arch"], getattr(result.labels, "arch", None)),
@@ -124,10 +129,10 @@ def is_right(told: Mapping[str, Any], fitted: FittedVault) -> bool:
     return fitted.vault.id in (told["family"], *told.get("also", ()))
 
 
-def sizes(
+def errors(
     told: Sequence[Mapping[str, Any]], right: Mapping[int, int], fitted: Sequence[FittedVault]
-) -> Iterator[float]:
-    """The largest error [m] of a length, of each bay that has equals and is no piece of a longer barrel."""
+) -> Iterator[dict[str, float]]:
+    """The errors [m] of all lengths by name, of each bay that has equals and is no piece of a longer barrel."""
     parameters = [None if v.get("group") else v.get("parameters") for v in told]
     for t, f in right.items():
         if parameters[t - 1] is None or parameters.count(parameters[t - 1]) < 2:
@@ -136,7 +141,7 @@ def sizes(
         same = turned(true, quarters(one.pose.yaw, radians(told[t - 1]["yaw_deg"]) % (2 * pi)))
         lengths = {name for name, value in one.parameters.items() if value.unit == "m"}
         if same is not None and (common := lengths & same[0].keys()):
-            yield max(abs(one.parameters[name].value - same[0][name]) for name in common)
+            yield {name: abs(one.parameters[name].value - same[0][name]) for name in sorted(common)}
 
 
 def arches(true: NDArray[Any], found: NDArray[Any] | None) -> dict[str, float]:

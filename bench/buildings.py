@@ -59,6 +59,7 @@ SUMMARY = (
     iou("IoU", 3),
     number("rows"),
     share("within 15 mm", "rows"),
+    share("plans within 15 mm", "rows"),
     error("size", "mm", 1),
     clock("clock", decimals=1),
     memory("memory"),
@@ -146,7 +147,7 @@ def _told(s: Score) -> tuple[Figure, ...]:
 
 def _summary(scores: Sequence[Score]) -> tuple[Figure, ...]:
     vaults = max(1, sum(s.vaults for s in scores))
-    sizes = [size for s in scores for size in s.sizes]
+    sizes, plans = ([size for s in scores for size in getattr(s, name)] for name in ("sizes", "plans"))
     return (
         vaults,
         sum(s.found for s in scores) / vaults,
@@ -155,6 +156,7 @@ def _summary(scores: Sequence[Score]) -> tuple[Figure, ...]:
         _mean([c for s in scores for c in s.components]),
         len(sizes),
         float(np.mean(np.array(sizes) <= SHARED)) if sizes else None,
+        float(np.mean(np.array(plans) <= SHARED)) if plans else None,
         _millimetres(sizes),
         _mean([s.seconds for s in scores]),
         max((s.memory for s in scores), default=0) / 2**20,

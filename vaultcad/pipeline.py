@@ -272,9 +272,7 @@ def _measured(
     apart = _open_ends(found.site, placed)
     if any(apart):
         spread = replace(spread, matrix=spread.matrix + open_ends(solution, apart))
-    told = estimates(solution, fitted, sight, spread, found.choices)
-    for name, (_, std) in found.shared.items():
-        told[name] = replace(told[name], std=std, flags=("row",))
+    told = estimates(solution, fitted, sight, spread, found.choices, found.shared)
     deviation = scan.labels.deviation[points]
     some = slice(None, None, max(1, len(points) // LOOKED_AT))
     stone = as_built(placed.vault, on, scan.xyz[points[some]] @ frame[:, :3].T + frame[:, 3], found.tolerance, rng)

@@ -66,6 +66,11 @@ class Start:
     ways: tuple[Placed, ...]
     kept: tuple[Constraint, ...]
 
+    def asked(self, demands: Demands) -> Start | None:
+        """The same with arches that can have the sizes that are fixed; None where the family has none."""
+        vault = demands.suited(self.ways[0].vault)
+        return None if vault is None else Start(tuple(replace(way, vault=vault) for way in self.ways), self.kept)
+
 
 def recognise(
     site: Site,
@@ -84,7 +89,7 @@ def recognise(
     """
     few, some = (Evidence.draw(site, count, rng, demands) for count in (1500, 3000))
     supple: list[Placed] = []
-    if known:
+    if known := [start for one in known if (start := one.asked(demands)) is not None]:
         simple = [_nearest_way(start, few, some, demands) for start in known]
     else:
         simple, supple = _begun(families, lambda family, tried: _rough(family, site, few, some, demands, tried), some)
@@ -95,7 +100,8 @@ def recognise(
             + (", or fix other sizes" if demands.of_vault or demands.pose else "")
         )
     costs = [some.cost(placed, MIDDLE) for placed in rough]
-    hopeful = [placed for placed, cost in zip(rough, costs, strict=True) if cost <= HOPELESS * min(costs)]
+    enough = HOPELESS * _least(rough, costs)
+    hopeful = [placed for placed, cost in zip(rough, costs, strict=True) if cost <= enough]
     telling = Evidence.draw(site, 3000, rng, demands, about=hopeful)
     scale = _scale(rough[int(np.argmin(costs))], telling)
     judge = _Judge(telling, scale, demands)
@@ -104,9 +110,9 @@ def recognise(
         close = min(h.score for h in fitted) + RIVAL
         fitted = [judge.best_variant(h) if h.score < close else h for h in fitted]
     else:
-        least = min((telling.cost(placed, scale) for placed in simple), default=inf)
-        hopeless = [telling.cost(placed, scale) > HOPELESS * least for placed in simple]
-        fitted = [judge.within(placed, 0.0 if vain else inf) for placed, vain in zip(simple, hopeless, strict=True)]
+        costs = [telling.cost(placed, scale) for placed in simple]
+        enough = HOPELESS * _least(simple, costs)
+        fitted = [judge.within(placed, inf if c <= enough else 0.0) for placed, c in zip(simple, costs, strict=True)]
         nearest = min((h.cost for h in fitted), default=inf)
         fitted += [judge.within(placed, nearest) for placed in supple]
     if others := [placed for h in _rivals(fitted) for placed in _other_arches(h, site, some, demands)]:
@@ -134,6 +140,15 @@ def confidence(hypotheses: Sequence[Hypothesis], strange: float = 0.0) -> list[f
     best = min(h.score for h in hypotheses)
     raw = [exp(-0.5 * min(h.score - best, 700.0)) for h in hypotheses]
     return [(1 - strange) * ((1 - MISSED) * value / sum(raw) + MISSED / len(raw)) for value in raw]
+
+
+def _least(rough: Sequence[Placed], costs: Sequence[float]) -> float:
+    """The least of these costs among what is of its family, or else of all.
+
+    A lunette as wide as its barrel is long makes a groin vault before that has its own arches.
+    """
+    own = [cost for placed, cost in zip(rough, costs, strict=True) if is_its_family(placed.vault)]
+    return min(own or costs, default=inf)
 
 
 def _rivals(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:

@@ -1,7 +1,7 @@
 """Bays learn from each other: neighbours of one family that were built alike are fitted with what they share.
 
 Each bay tells each size with a deviation of its own (`vaultcad.find.choices`). Where those of a row agree by the
-chi-square test, their weighted mean stands for all; kinds of arches are chosen by the odds of all bays together.
+chi-square test, their weighted mean stands for all; kinds of arches are chosen by the mean odds of all bays.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import exp, log, sqrt
+from statistics import fmean
 
 import numpy as np
 
@@ -61,8 +62,10 @@ class _Row:
         start, kept = self._start(one)
         told = {name: told for name, told in self.shared.items() if name not in demands.sizes}
         asked = replace(demands, sizes={name: mean for name, (mean, _) in told.items()} | dict(demands.sizes))
+        if not told or not asked.suits(start.vault):
+            return one
         begun = replace(start, vault=asked.begun(start.vault))
-        if not told or not asked.met(begun.vault):
+        if not asked.met(begun.vault):
             return one
         refined = settled(begun, kept, one.refined.evidence, one.refined.scatter, asked)
         if refined.scatter > WORSE[0] * one.refined.scatter + WORSE[1]:
@@ -131,12 +134,14 @@ def _alike(one: Found, other: Found) -> bool:
 
 
 def _joint(row: Sequence[Found]) -> dict[Kinds, float]:
-    """How likely each choice of kinds is, if all bays have the same."""
+    """How likely each choice of kinds is, if all bays have the same: as the middling bay tells.
+
+    Bays that were built alike and settled together err alike, and each has counted what is known beforehand: taken as
+    evidence one of the other, eight that say 45 % would be sure.
+    """
     told = [_kinds(one.choices) for one in row if one.choices]
     every = dict.fromkeys(kinds for chances in told for kinds in chances)
-    scores = {kinds: sum(log(max(chances.get(kinds, 0.0), FORGOTTEN)) for chances in told) for kinds in every}
-    top = max(scores.values(), default=0.0)
-    raw = {kinds: exp(score - top) for kinds, score in scores.items()}
+    raw = {kinds: exp(fmean(log(max(chances.get(kinds, 0.0), FORGOTTEN)) for chances in told)) for kinds in every}
     whole = sum(raw.values())
     return {kinds: chance / whole for kinds, chance in raw.items()}
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,22 +27,25 @@ def estimates(
     sight: Sight,
     covariance: Covariance,
     choices: Sequence[Choice] = (),
+    shared: Mapping[str, tuple[float, float]] = MappingProxyType({}),
 ) -> dict[str, Estimate]:
     """Parameters, then derived sizes, of a solution that rests on points (n, 3) [m]; what was held has no deviation.
 
-    choices: of how the vault may have been built, the solution's first; deviations allow for them.
+    choices: of how the vault may have been built, the solution's first; deviations allow for them. shared: mean and
+    standard deviation of the sizes that all bays of its row have, if they were built as the first choice is [m].
     """
     vault, slopes = solution.placed.vault, slopes_of_sizes(solution)
     told = information(solution, points, sight)
     short = vault.plan.width
 
     def estimate(name: str, value: float, of: Range | Derived, weak: float, *, derived: bool) -> Estimate:
-        own = covariance.std(slopes[name])
+        own = shared[name][1] if name in shared else covariance.std(slopes[name])
         std = deviation(name, value, own, choices)
         if std < NOTHING:
             return Estimate(value, of.unit, None, of.meaning, derived)
-        seen = None if own < NOTHING else told.share(slopes[name])  # where a constraint decides, other choices vary
-        flags = {"unseen": seen is not None and seen < UNSEEN, "weak": std > weak}
+        # Where a constraint decides, other choices vary.
+        seen = None if own < NOTHING or name in shared else told.share(slopes[name])
+        flags = {"unseen": seen is not None and seen < UNSEEN, "weak": std > weak, "row": name in shared}
         return Estimate(value, of.unit, std, of.meaning, derived, seen, tuple(flag for flag, up in flags.items() if up))
 
     found, values = {}, vault.values()

@@ -7,6 +7,7 @@ arches, the walls between rooms, and what hangs above another ceiling part them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ Mask = NDArray[np.bool_]
 CELL = 0.1, 1.5  # m and spacings; edge of the plan's cells, at least
 TOUCH, DRUM = 0.35, 0.45  # m between two patches of one ceiling in plan at most; where a drum lifts one of them
 PENDENTIVE = 0.8  # m² in plan of what hangs under a drum, and of the dome on it, at least
+LINTEL = 0.7  # share of a patch that is level, from which on it bears no drum, and is a lintel if it is small
 CONTACT = 15  # pairs of cells, one of either patch, that touch: a few where only corners do
 LEVEL = 0.8  # m between two patches in height where they touch, of one ceiling before drums are looked for
 OVER = 0.3  # share of the lesser patch's plan from which on it hangs over or under another
@@ -148,13 +150,21 @@ class _Plan:
             number = self._linked(number, *self._touching(soffits, reach), lifted=lifted)
         return number
 
+    @cached_property
+    def _lintels(self) -> Mask:
+        """(count,) which patches are heads of doors and windows, small and level, which hold no ceilings together."""
+        level = np.abs(self.patches.normals[:, 2]) > LEVEL_NORMAL
+        share = np.bincount(self.patches.patch, level, self.patches.count) / np.bincount(self.patches.patch)
+        found: Mask = (share > LINTEL) & (self.patches.areas < LEAST)
+        return found
+
     def _touching(self, soffits: tuple[Soffit, ...], reach: float) -> tuple[Ints, Ints]:
         """Pairs of cells (n,), (n,) of two patches, no farther than that in plan [m], and no soffit between them."""
         from scipy.spatial import cKDTree
 
         places = self.grid.places(self.column)
         a, b = cKDTree(places).query_pairs(reach, output_type="ndarray").T
-        other = self.patch[a] != self.patch[b]
+        other = (self.patch[a] != self.patch[b]) & ~self._lintels[self.patch[a]] & ~self._lintels[self.patch[b]]
         a, b = a[other], b[other]
         middle = np.column_stack([(places[a] + places[b]) / 2, np.minimum(self.height[a], self.height[b])])
         free = ~np.any([soffit.holds(middle, along=PIER) & soffit.parts(middle) for soffit in soffits], axis=0)
@@ -169,10 +179,11 @@ class _Plan:
         group = number[self.patch]
         near = (group[a] != group[b]) & ((np.abs(self.height[a] - self.height[b]) < LEVEL) | lifted)
         pair = np.sort(np.column_stack([group[a[near]], group[b[near]]]), axis=1)
-        links, touching = np.unique(pair, axis=0, return_counts=True)
+        links, which, touching = np.unique(pair, axis=0, return_inverse=True, return_counts=True)
+        which = which.ravel()
         columns = {int(k): set(self.column[group == k].tolist()) for k in np.unique(group)}
         for k in np.argsort(-touching, kind="stable"):
-            if lifted and not self._lifts(group, *links[k].tolist()):
+            if lifted and not self._lifts(group, links[k], np.concatenate([a[near], b[near]])[np.tile(which == k, 2)]):
                 continue
             i, j = sorted((int(number[links[k, 0]]), int(number[links[k, 1]])))
             lesser = min(len(columns[i]), len(columns[j]))
@@ -181,14 +192,23 @@ class _Plan:
                 number = np.where(number == j, i, number)
         return number
 
-    def _lifts(self, group: Ints, one: int, other: int) -> bool:
-        """Whether one of two groups is above all of the other, and over no ceiling, as a storey would be."""
-        upper, lower = sorted((one, other), key=lambda k: -float(self.height[group == k].max()))
+    def _lifts(self, group: Ints, pair: Ints, contact: Ints) -> bool:
+        """Whether one of a pair of groups is a dome on a drum over the other, of whose cells those in `contact` touch.
+
+        It is above all of that, and over no ceiling, as a storey would be. A drum stands on the top of pendentives: a
+        vault against the wall of a higher room touches that with its springing. Nor are they level, as lintels.
+        """
+        upper, lower = sorted(pair.tolist(), key=lambda k: -float(self.height[group == k].max()))
         bottom = float(self.height[group == upper].min())
-        mine = self.column[group == upper]
+        mine, under = self.column[group == upper], self.height[group == lower]
         below = np.isin(mine, self.column[(group != upper) & (self.height < bottom)])
-        large = min(len(mine), int((group == lower).sum())) * self.grid.cell**2 > PENDENTIVE
-        return large and bottom > float(self.height[group == lower].max()) and float(below.mean()) < OVER
+        large = min(len(mine), len(under)) * self.grid.cell**2 > PENDENTIVE
+        if not large or bottom <= float(under.max()) or float(below.mean()) >= OVER:
+            return False
+        borne = np.isin(self.patches.patch, self.patch[group == lower])
+        level = np.abs(self.patches.normals[borne, 2]) > LEVEL_NORMAL
+        touching = self.height[contact[group[contact] == lower]]
+        return bool(level.mean() < LINTEL and np.median(touching) >= np.median(under))
 
     def parts(self, ceilings: list[Mask], soffits: tuple[Soffit, ...]) -> list[Part]:
         """The part of each ceiling, told by masks (count,) of patches: where it is the nearest one of its storey."""

@@ -19,7 +19,7 @@ Mask = NDArray[np.bool_]
 # |cosine| between normals of a soffit and its generatrices: rms; that of strays; their share
 ACROSS, OFF, STRAY = 0.12, 0.25, 0.15
 WIDTH = 0.12, 1.6  # m, of a soffit
-SLENDER = 0.6  # width / length at most
+SLENDER = 0.75  # width / length at most
 WITHIN = 0.015, 0.985  # quantiles between which a patch lies
 GAP, TURN, WIDER = 0.5, 0.15, 1.3  # m between two parts of one soffit; sine between them; how much wider both are
 UNDER, OVER = 0.5, 1.0  # m under its ends and over its crown where the vaults beside a soffit are
@@ -139,7 +139,10 @@ def _strip(patches: Patches, parts: tuple[int, ...]) -> Soffit | None:
 
 
 def _is_between(soffit: Soffit, ceiling: Array) -> bool:
-    """Whether ceilings (n, 3) [m] go on on both sides of a soffit, higher than it, along much of it."""
+    """Whether ceilings (n, 3) [m] go on on both sides of a soffit, higher than it, along much of it.
+
+    What falls away from it, as over stairs, is taken where it meets the soffit.
+    """
     along, across = soffit.local(ceiling)
     near = (np.abs(along) < soffit.length / 2) & (np.abs(across) < soffit.width / 2 + BESIDE)
     near &= ceiling[:, 2] > soffit.curve[:, 1].min() - UNDER
@@ -148,10 +151,18 @@ def _is_between(soffit: Soffit, ceiling: Array) -> bool:
     bins = np.floor(along / BIN).astype(np.int64)
     for side in (-1, 1):
         on = side * across > 0
-        tops = {k: np.median(higher[on & (bins == k)]) for k in np.unique(bins[on])}
+        met = _met(side * across[on] - soffit.width / 2, higher[on])
+        tops = {k: np.median(met[bins[on] == k]) for k in np.unique(bins[on])}
         if sum(top > HIGHER for top in tops.values()) * BIN < ALONG * soffit.length:
             return False
     return True
+
+
+def _met(beyond: Array, height: Array) -> Array:
+    """Heights (n,) [m] of what falls away from an edge, so far beyond it (n,) [m], as if it were there."""
+    if len(beyond) < ENOUGH or np.ptp(beyond) < BIN:
+        return height
+    return height - min(float(np.polyfit(beyond, height, 1)[0]), 0.0) * beyond
 
 
 def _edged(soffits: list[Soffit], xyz: NDArray[np.floating]) -> Iterator[Soffit]:

@@ -8,14 +8,16 @@ from math import radians
 import numpy as np
 import pytest
 
-from families import Barrel, Groin, Pointed, Sail, Segmental, Vault
+from families import Barrel, Groin, Pointed, Sail, Segmental, Semicircular, Vault
+from vaultcad.find import rows
+from vaultcad.find.choices import Choice
 from vaultcad.find.found import Found
 from vaultcad.find.likeness import firsts, in_turn, look_of_ceiling, starts_like
 from vaultcad.find.recognise import Hypothesis, confidence
 from vaultcad.find.refine import Refined
 from vaultcad.find.second_look import second_looks
 from vaultcad.fit.evidence import Evidence
-from vaultcad.fit.freedom import Freedom
+from vaultcad.fit.freedom import NONE, Freedom
 from vaultcad.fit.solve import Placed, Solution
 from vaultcad.pose import Pose
 from vaultcad.survey.parting import Ceiling, Part
@@ -136,3 +138,17 @@ def test_what_is_larger_higher_or_out_of_line_is_no_bay_of_the_row() -> None:
         (LARGE, Pose(10.2, 1.5, 3.0, 0.0)),
     ):
         assert second_looks([*before, ceiling(stone(vault, pose, 9))], [*rows, ()]) == []
+
+
+def test_bays_that_say_the_same_are_no_surer_of_their_arches_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    likelier = Groin(4.6, 5.4, Semicircular(), Segmental(0.426))
+    odds = {likelier: 0.6, Groin(4.6, 5.4, Segmental(0.45), Segmental(0.38)): 0.4}
+    bays = []
+    for k in range(5):
+        pose = Pose(0.0, 5.8 * k, 3.0, 0.0)
+        told = [Choice(Placed(vault, pose), (), share, {"span_x": (4.6, 0.005)}) for vault, share in odds.items()]
+        bays.append(replace(found(likelier, pose, site(pose, 0)), choices=tuple(told)))
+    monkeypatch.setattr(rows, "settled", lambda *_: bays[0].refined)
+    for one in rows.learned(bays, NONE):
+        assert one.shared["span_x"][0] == pytest.approx(4.6)
+        assert [choice.chance for choice in one.choices] == pytest.approx([0.6, 0.4])

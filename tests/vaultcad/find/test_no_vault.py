@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 from families import FAMILIES, Barrel, Dome, Groin, Sail, Segmental, Trough, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError, OtherThingError
+from vaultcad.find.arches import find_arch
 from vaultcad.pipeline import FitSettings, fit_scan
 from vaultcad.scanner import ScannerSettings, scan
 from vaultcad.scanner.barren import SCENES, draw_barren
+from vaultcad.survey.soffits import Soffit
+from vaultcad.survey.thinned_scan import Thin
 
 Points = NDArray[np.float64]
 
@@ -165,3 +168,11 @@ def test_a_cylinder_that_goes_on_below_its_springing_is_no_vault_of_a_room(walle
         return
     with pytest.raises(OtherThingError, match=r"2\.80 m radius that goes on below its springing, .* tunnel"):
         fit_scan(tunnel, settings)
+
+
+def test_the_lintel_of_a_door_is_no_arch() -> None:
+    along = np.arange(-0.55, 0.6, 0.1)
+    level = Soffit(np.zeros(2), 0.0, 1.2, 0.5, np.column_stack([along, 2.1 + 0.005 * (np.arange(len(along)) % 3)]))
+    nothing = Thin(np.empty((0, 3)), np.empty((0, 3)), np.empty(0), 0.05)
+    with pytest.raises(NoVaultError, match=r"a soffit 1\.2 m long is level"):
+        find_arch(level, nothing, np.empty((0, 3)), np.random.default_rng(0))

@@ -7,10 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from families import Barrel, Sail, Semicircular, Trough, Vault
+from families import Barrel, Groin, Lunette, Pointed, Sail, Segmental, Semicircular, Trough, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
-from vaultcad.find.recognise import MISSED, Hypothesis, confidence, recognise
+from vaultcad.find.recognise import MISSED, Hypothesis, Start, confidence, recognise
+from vaultcad.fit.freedom import Demands
+from vaultcad.fit.solve import Placed
+from vaultcad.pose import Pose
 from vaultcad.survey.thinned_scan import Site, survey
 
 
@@ -53,3 +56,19 @@ def test_long_heads_do_not_hide_along_which_axis_a_trough_runs() -> None:
     )[0].vault
     assert sorted([found.values()["span_x"], found.values()["span_y"]]) == pytest.approx([5.8, 8.1], abs=0.02)
     assert found.values()["span_x"] == pytest.approx(5.8, abs=0.02)
+
+
+def test_lunettes_as_wide_as_their_barrel_is_long_do_not_hide_a_groin_vault() -> None:
+    site = site_of(Groin(4.17, 6.26, Pointed(0.75), Semicircular()))
+    found = recognise(site, np.random.default_rng(0), families=(Lunette, Barrel, Groin))[0]
+    assert isinstance(found.vault, Groin)
+    assert {type(arch) for arch in found.vault.profiles.values()} == {Pointed, Semicircular}
+
+
+def test_a_start_whose_arches_cannot_have_what_is_asked_takes_others() -> None:
+    """As a bay beside a row, whose rise is known, may begin with a semicircle, which has none of its own."""
+    site = site_of(Groin(4.0, 4.4, Segmental(0.4), Segmental(0.36)))
+    known = [Start((Placed(Groin(4.0, 4.4, Segmental(0.4), Semicircular()), Pose(0, 0, 0, 0)),), ())]
+    demands = Demands(sizes={"rise_y": 1.6})
+    found = recognise(site, np.random.default_rng(0), families=(Groin,), demands=demands, known=known)[0].vault
+    assert found.derived_values()["rise_y"] == pytest.approx(1.6)

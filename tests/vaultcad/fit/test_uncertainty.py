@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from families import Barrel, Groin, Mirror, Sail, Segmental, Vault
+from vaultcad.find.choices import Choice
 from vaultcad.fit.freedom import Demands, Freedom
 from vaultcad.fit.solve import POSE, Placed, Solution, solve
 from vaultcad.fit.uncertainty import covariance, loosened, slopes_of_distances, slopes_of_sizes
@@ -218,3 +219,16 @@ def test_information_is_what_noise_would_leave() -> None:
     share = information(solution, placed, look(vault, on[on[:, 1] > 0], 0.2, rng))
     assert 0 < share.share(np.eye(len(solution.names))[6]) < 0.9
     assert share.share(np.zeros(len(solution.names))) == 0.0
+
+
+def test_what_a_row_shares_is_no_surer_than_the_arches_it_was_told_by() -> None:
+    rng, vault = np.random.default_rng(5), VAULTS[0]
+    solution, points = fit(vault, room(vault, 1500, rng))
+    sight, spread = look(vault, points[:0], 0.2, rng), covariance(solution, points)
+    rise = solution.placed.vault.derived_values()["rise_y"]
+    choices = [Choice(solution.placed, (), 0.7, {"rise_y": (rise, 0.004)})]
+    choices += [Choice(solution.placed, (), 0.3, {"rise_y": (rise - 0.2, 0.1)})]
+    one = estimates(solution, points, sight, spread, choices, {"rise_y": (rise, 0.004)})["rise_y"]
+    assert one.std == pytest.approx(np.sqrt(0.7 * 0.004**2 + 0.3 * (0.2**2 + 0.1**2)))
+    assert "row" in one.flags
+    assert "unseen" not in one.flags

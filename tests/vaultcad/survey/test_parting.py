@@ -8,14 +8,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from families import Conch, Dome, Groin, Sail, Segmental, Semicircular, Vault
+from families import Annular, Barrel, Conch, Dome, Groin, Sail, Segmental, Semicircular, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
 from vaultcad.fit.label import ArchBand, label
 from vaultcad.fit.solve import Placed
 from vaultcad.pose import Pose
 from vaultcad.scanner import ScannerSettings
-from vaultcad.scanner.building import Bay, Building, BuildingScan, Place, scan_building
+from vaultcad.scanner.building import Arch, Bay, Building, BuildingScan, Place, Style, scan_building
 from vaultcad.scanner.building.rows import beside, in_row
 from vaultcad.survey.parting import Parting, parted
 from vaultcad.survey.thinned_scan import Thin, thin_scan
@@ -28,6 +28,27 @@ def nave(vault: Vault = NAVE, bays: int = 2, z: float = 3.0) -> tuple[Bay, ...]:
     return tuple(Bay(vault, place) for place in in_row([vault] * bays, Place(0, 0, z, 0.2), 0.5))
 
 
+def ambulatory() -> Building:
+    """An apse and the walk about it, with arches through the round wall between them."""
+    conch, ring = Conch(2.8), Annular(4.5, 0.5, np.pi)
+    (x, y), (a, b) = conch.plan.centre, ring.plan.centre
+    bays = Bay(conch, Place(0, 0, 4.5)), Bay(ring, Place(x - a, y - b, 2.4))
+    angles = np.pi * (np.arange(4) + 0.5) / 4
+    middles = [Place(x + 3.0 * np.cos(t), y + 3.0 * np.sin(t), 2.2, t - np.pi / 2) for t in angles]
+    return Building("ambulatory", bays, tuple(Arch.of(Semicircular(), 1.2, p, 0.85, 0.15, 0.0) for p in middles))
+
+
+def stairs() -> Building:
+    """A flight between two landings, whose barrel falls away from the upper arch."""
+    landing, flight = Groin(2.1, 2.1), Barrel(2.1, 4.5, slope=0.6)
+    places = [Place(0, 0, 2.3)]
+    for last, vault, leave in ((landing, flight, "north"), (flight, landing, "north")):
+        places.append(beside(last, places[-1], leave, vault, 0.4, enter="south"))
+    bays = zip((landing, flight, landing), places, (0.0, 0.0, 2.7), strict=True)
+    style = Style(0.13, "jambs")
+    return Building("stairs", tuple(Bay(vault, replace(p, z=f + 2.3), f, style) for vault, p, f in bays))
+
+
 @cache
 def surveyed(name: str) -> tuple[BuildingScan, Thin, Parting]:
     bays = nave()
@@ -37,7 +58,9 @@ def surveyed(name: str) -> tuple[BuildingScan, Thin, Parting]:
         "two storeys": (*nave(Sail(4, 4)), *(replace(bay, floor=5.5) for bay in nave(Sail(4, 4), z=8.0))),
         "dome on a drum": (Bay(Dome(), Place(0, 0, 4.0, 0.3)),),
     }
-    scan = scan_building(Building(name, buildings[name], settings=SETTINGS), rng=np.random.default_rng(3))
+    others = {"ambulatory": ambulatory, "stairs": stairs}
+    building = others[name]() if name in others else Building(name, buildings[name])
+    scan = scan_building(replace(building, settings=SETTINGS), rng=np.random.default_rng(3))
     xyz = scan.xyz.astype(np.float32)
     thin = thin_scan(Cloud(xyz))
     return scan, thin, parted(thin, xyz)
@@ -57,7 +80,16 @@ def owners(name: str) -> list[int]:
     return sorted(found)
 
 
-@pytest.mark.parametrize(("name", "vaults"), [("nave and apse", 3), ("two storeys", 4), ("dome on a drum", 1)])
+@pytest.mark.parametrize(
+    ("name", "vaults"),
+    [
+        ("nave and apse", 3),
+        ("two storeys", 4),
+        ("dome on a drum", 1),
+        ("ambulatory", 2),
+        ("stairs", 3),
+    ],
+)
 def test_each_vault_is_a_ceiling_of_its_own(name: str, vaults: int) -> None:
     assert owners(name) == list(range(1, vaults + 1))
 
@@ -65,6 +97,19 @@ def test_each_vault_is_a_ceiling_of_its_own(name: str, vaults: int) -> None:
 def test_a_drum_does_not_part_what_hangs_under_it_from_its_dome() -> None:
     _, _, parting = surveyed("dome on a drum")
     assert not parting.is_parted
+
+
+@pytest.mark.parametrize("high", [2.3, 2.9], ids=["beside the springings", "far below them"])
+def test_a_lintel_does_not_join_the_vaults_of_two_rooms(high: float) -> None:
+    """Each is a barrel along y, the lintel a level square between them, 2.4 m above the floor."""
+    turn, along = np.meshgrid(np.arange(0.2, np.pi - 0.2, 0.025), np.arange(-3, 3, 0.05))
+    facing = np.column_stack([np.cos(turn).ravel(), np.zeros(turn.size), np.sin(turn).ravel()])
+    barrel = 2 * facing + np.column_stack([np.zeros(turn.size), along.ravel(), np.full(turn.size, high)])
+    square = np.stack(np.meshgrid(np.arange(-0.55, 0.55, 0.05), np.arange(-0.6, 0.6, 0.05), [2.4]), -1).reshape(-1, 3)
+    points = np.concatenate([barrel + [-2.6, 0, 0], barrel + [2.6, 0, 0], square])
+    normals = np.concatenate([facing, facing, np.tile([0.0, 0.0, 1.0], (len(square), 1))])
+    found = parted(Thin(points, normals, np.ones(len(points)), 0.05), points.astype(np.float32)).ceilings
+    assert sorted(np.sign(ceiling.points[:, 0]).mean() for ceiling in found) == [-1.0, 1.0]
 
 
 def test_soffits_are_where_the_arches_are() -> None:
