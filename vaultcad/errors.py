@@ -11,6 +11,10 @@ class NoVaultError(VaultcadError):
     """The scan holds nothing that any family explains."""
 
 
+class OtherThingError(NoVaultError):
+    """What hangs there has the shape of one vault but is another thing, and no part of it is a vault."""
+
+
 class NoSuchVaultError(VaultcadError):
     """A number that no vault of a model has."""
 

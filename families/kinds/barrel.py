@@ -8,6 +8,7 @@ from itertools import product
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from families.declaration.constraints import Constraint
 from families.declaration.footprint import Footprint
@@ -19,6 +20,12 @@ from families.declaration.profiles import Profile, Semicircular
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import coarse_arches, drawn_arch
 from families.declaration.vault import Vault
+
+CLEAR = 1.5  # tolerances that a lining is nearer to the axis than an upright wall would be
+LINING, MOSTLY = (
+    0.02,
+    0.5,
+)  # points of a lining there / above the springing, and share of all there, from which on it is
 
 
 @dataclass(frozen=True)
@@ -120,3 +127,26 @@ class Barrel(Vault):
         """Longer than wide, with any arch."""
         span = rng.uniform(2.5, 7)
         return cls(span, span * rng.uniform(1, 2.2), drawn_arch(rng))
+
+    def contradiction(self, points: NDArray[np.float64], own: NDArray[np.float64], tolerance: float) -> str:
+        """Its cylinder goes on below its springing, narrower again, as the lining of a tunnel or a pipe does."""
+        if self.slope or self.splay or not len(own):
+            return ""
+        origin, across = np.array(self.axis.origin), np.array(self.axis.across)
+        seen = np.column_stack([(own[:, :2] - origin) @ across, own[:, 2]])
+        (x, z, power), *_ = np.linalg.lstsq(np.column_stack([2 * seen, np.ones(len(seen))]), (seen**2).sum(axis=1))
+        radius = float(np.sqrt(max(power + x**2 + z**2, 0.0)))
+        if (
+            radius < CLEAR * tolerance or np.sqrt(np.mean((np.hypot(*(seen - [x, z]).T) - radius) ** 2)) > tolerance
+        ):  # not one arc
+            return ""
+        aside, up = np.abs((points[:, :2] - origin) @ across - x), points[:, 2] - z
+        upright = radius - CLEAR * tolerance  # nearer to the axis there is no wall
+        below = (up < -np.sqrt(radius**2 - upright**2)) & (aside > radius / 2)
+        lining = below & (np.abs(np.hypot(aside, up) - radius) < tolerance) & (aside < upright)
+        if lining.sum() <= max(LINING * len(own), MOSTLY * below.sum()):
+            return ""
+        return (
+            f"a cylinder of {radius:.2f} m radius that goes on below its springing, where the walls of a room would "
+            "stand: the lining of a tunnel, or a pipe"
+        )

@@ -4,6 +4,9 @@ The likelihood of a family among those that were tried says nothing of a shape t
 about the residuals are weighed, each a random field of `vaultcad.fit.settlement` of unknown strength, length and
 roughness: what settlement and plaster leave of the right family, and what a wrong one leaves, which is larger and
 breaks where edges of the model are not the stone's. The odds are the ratio of marginal likelihoods (Jeffreys 1961).
+
+Old rubble and thick plaster leave as much as a wrong family does, but here and there, while a family that is wrong is
+wrong on both sides alike, or all round: what does not repeat itself in a mirror may be a rough vault of the right one.
 """
 
 from __future__ import annotations
@@ -38,6 +41,11 @@ FEW_FAR = 0.2  # share of the blocks that may be another thing's near the vault
 STRANGE = 0.02  # chance beforehand that a vault is of none of the families
 REFUSED = 0.995  # chance of that from which on there is no model
 DOUBTFUL = 0.2  # chance of that from which on it is said why
+ROUGH = 0.15  # chance beforehand that a vault is as rough as what a wrong family leaves
+MIRRORS = np.array([[-1, 1, 1], [1, -1, 1], [-1, -1, 1]])  # of the plan
+BY_CHANCE, BY_SHAPE = (0.2, 0.2), (0.7, 0.25)  # mean and spread of how far residuals are alike in a mirror
+# From samples of six vaults with waves of 8 to 25 mm, and of ten seen as another family (29 November 2026).
+MOST_ODDS = log(10.0)  # of chance, that such a correlation can tell
 WAVES, OF_VARIANCE = range(3, 13), 0.4  # round an axis, and the share of the residuals from which on they are named
 
 
@@ -52,7 +60,7 @@ def _prior(strength: float, spread: float, roughness: float, rough_spread: float
 
 
 LEFT_BY_THE_RIGHT = _prior(0.004, 0.7, 0.0018, 0.5)
-LEFT_BY_A_WRONG_ONE = _prior(0.015, 0.8, 0.005, 0.7)
+LEFT_BY_A_WRONG_ONE = LEFT_BY_ROUGH_STONE = _prior(0.015, 0.8, 0.005, 0.7)
 """From 26 and 21 virtual rooms (29 November 2026), settled by up to 5 cm, fitted with their family and without it;
 `python -m bench strangers` tries others."""
 
@@ -95,9 +103,12 @@ class Misfit:
         right, wrong = (
             float(np.logaddexp.reduce(likely + prior, axis=None)) for prior in (LEFT_BY_THE_RIGHT, LEFT_BY_A_WRONG_ONE)
         )
+        waves = _waves(parts.place[usable], mean[usable], plan)
+        alike = 1.0 if waves else _alike(parts.place[usable], mean[usable], plan)
+        right = float(np.logaddexp(right, wrong + log(ROUGH) + _log_odds_of_chance(alike)))
         odds = wrong - right + log(STRANGE / (1 - STRANGE))
         off = float(np.sqrt(np.mean(mean[usable] ** 2)))
-        return cls(1 / (1 + exp(-odds)) if odds > -700 else 0.0, off, _waves(parts.place[usable], mean[usable], plan))
+        return cls(1 / (1 + exp(-odds)) if odds > -700 else 0.0, off, waves)
 
     @property
     def reason(self) -> str:
@@ -132,3 +143,30 @@ def _waves(place: Array, residual: Array, plan: Plan) -> int:
     powers = {n: 2 * abs(np.mean(left * np.exp(1j * n * turn))) ** 2 for n in WAVES}
     most = max(powers, key=lambda n: powers[n])
     return most if powers[most] > OF_VARIANCE * np.mean(left**2) > 0 else 0
+
+
+def _alike(place: Array, residual: Array, plan: Plan) -> float:
+    """Correlation of the residuals (m,) of blocks at (m, 3) with those in a mirror of the plan, or turned by half.
+
+    The largest of the three: a family that is wrong is seldom so in one place alone.
+    """
+    from scipy.spatial import cKDTree
+
+    middle = np.array([*plan.centre, 0.0])
+    local, left = place - middle, residual - residual.mean()
+    tree = cKDTree(local)
+    near = 2 * float(np.median(tree.query(local, [2])[0]))
+    found = []
+    for mirror in MIRRORS:
+        away, other = (np.asarray(column) for column in tree.query(local * mirror))
+        both = np.flatnonzero(away < near)
+        here, there = left[both], left[other[both]]
+        power = max(float(np.sqrt((here**2).sum() * (there**2).sum())), 1e-12)
+        found.append(float((here * there).sum()) / power if len(both) > ENOUGH / 2 else 1.0)
+    return max(found)
+
+
+def _log_odds_of_chance(alike: float) -> float:
+    """Logarithm of how much likelier such a correlation is of stone that is rough by chance than of a wrong family."""
+    by_chance, by_shape = (-0.5 * ((alike - mean) / std) ** 2 - log(std) for mean, std in (BY_CHANCE, BY_SHAPE))
+    return min(by_chance - by_shape, MOST_ODDS)

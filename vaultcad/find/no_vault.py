@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.errors import NoVaultError
+from vaultcad.errors import NoVaultError, OtherThingError
 from vaultcad.find.refine import Refined
 from vaultcad.fit.solve import Placed
 from vaultcad.fit.uncertainty import covariance, slopes_of_sizes
@@ -47,7 +47,8 @@ def check(refined: Refined, site: Site, tolerance: float) -> None:
 
     Raises:
         NoVaultError: a level ceiling, a surface too rough for masonry, or a model that most of what hangs over its
-            springing is far from, that says nothing of its rise, or that its family itself contradicts.
+            springing is far from, or that says nothing of its rise.
+        OtherThingError: its family itself contradicts the model.
     """
     placed = refined.placed
     vault, plan = placed.vault, placed.vault.plan
@@ -74,7 +75,7 @@ def check(refined: Refined, site: Site, tolerance: float) -> None:
     if rise < LOW * short:
         _check_rise(refined, rise)
     if why := vault.contradiction(local, local[above][on], tolerance):
-        raise NoVaultError(f"no vault found: {why}")
+        raise OtherThingError(f"no vault found: {why}")
 
 
 def check_bent(site: Site) -> None:

@@ -123,6 +123,8 @@ def _rib(placed: Placed, kind: str, start: Array, end: Array, points: Array, loc
     middle = np.array([depths.get(k, np.nan) for k in range(int(length / STEP) + 2)])[steps]
     own = (np.abs(below - middle) < SAME) & (beside > -HALF_WIDTH if kind == DIAGONAL else beside > left - SAME)
     own &= np.abs(along - length / 2) > CROSSING
+    if not own.any():  # what hangs at several heights in every step is rafters or rock, and no soffit
+        return None
     # Half of what is spread evenly over a width lies within a quarter of that of its middle.
     place = float(np.median(beside[own]))
     width = 4 * float(np.median(np.abs(beside[own] - place)))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
-from vaultcad.errors import NoVaultError
+from vaultcad.errors import NoVaultError, OtherThingError
 from vaultcad.find.found import Found, likeliest_of, tolerance_of
 from vaultcad.find.likeness import agree, choices_like, starts_like
 from vaultcad.find.misfit import Misfit, refuse_strangers
@@ -78,6 +78,9 @@ class _Search:
         """The vaults over a region."""
         try:
             one = self._fit(region, part)
+        except OtherThingError as error:
+            self.refusals.append(error)
+            return []
         except NoVaultError as error:
             self.refusals.append(error)
             one = None

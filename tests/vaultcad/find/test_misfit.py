@@ -7,26 +7,31 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from families import Barrel, Cloister, Rotunda, Semicircular, Vault
+from families import Barrel, Cloister, Groin, Rotunda, Sail, Semicircular, Vault
 from vaultcad.errors import NoVaultError
 from vaultcad.find.misfit import FITS, REFUSED, Misfit, refuse_strangers
 from vaultcad.find.refine import Refined, settled
 from vaultcad.fit.evidence import Evidence
 from vaultcad.fit.solve import Placed
 from vaultcad.pose import Pose
+from vaultcad.scanner.waves import draw_waves
 
 SETTLED = 0.012  # m, along each axis
 OCTAGON = Cloister(8, 3.0, Semicircular())
 
 
-def fitted(vault: Vault, start: Vault, sill: float = 0.0) -> Refined:
-    """A family fitted to a vault that has settled in long waves; `sill`: how far something on it stands out [m]."""
+def fitted(vault: Vault, start: Vault, sill: float = 0.0, rough: float = 0.0) -> Refined:
+    """A family fitted to a vault that has settled in long waves.
+
+    sill: how far something on it stands out [m]. rough: of short waves all over it [m], rms.
+    """
     rng = np.random.default_rng(3)
     sample = vault.sample(6_000, rng)
     xyz = sample.xyz + SETTLED * np.sin(sample.xyz[:, [1, 2, 0]] * np.pi / vault.plan.width)
     xyz += rng.normal(0, 0.003, xyz.shape)
     low = (np.abs(xyz[:, 2] - 1.0) < 0.3) & (xyz[:, 0] > 1.0)
     xyz[low] -= sill * sample.normals[low]
+    xyz += rough * draw_waves(12, 0.8, 3.0, rng)(sample.xyz)[:, None] * sample.normals
     kept = [c for c in start.constraints if c.rare]
     return settled(Placed(start, Pose(0, 0, 0, 0)), kept, Evidence(xyz, np.ones(len(xyz)), -1.0), 0.02)
 
@@ -41,6 +46,15 @@ def test_settlement_and_noise_are_no_misfit() -> None:
         misfit = Misfit.of(fitted(vault, vault))
         assert misfit.chance < 0.05
         assert misfit.reason == ""
+
+
+@pytest.mark.parametrize("vault", [Barrel(4.0, 6.0), OCTAGON, Rotunda(3.1), Groin(5.0, 4.5)], ids=lambda v: v.id)
+def test_rough_stone_of_the_right_family_is_seldom_taken_for_a_stranger(vault: Vault) -> None:
+    assert Misfit.of(fitted(vault, vault, rough=0.02)).chance < 0.4
+
+
+def test_what_is_wrong_on_both_sides_alike_is_a_stranger() -> None:
+    assert Misfit.of(fitted(Sail(5.0, 4.0, 0.8), Groin(5.0, 4.0))).chance > 0.9
 
 
 def test_what_leans_on_a_vault_is_no_misfit() -> None:

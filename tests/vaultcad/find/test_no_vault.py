@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from families import FAMILIES, Barrel, Dome, Groin, Sail, Segmental, Trough, Vault
 from segmentation.cloud import Cloud
-from vaultcad.errors import NoVaultError
+from vaultcad.errors import NoVaultError, OtherThingError
 from vaultcad.find.arches import find_arch
 from vaultcad.pipeline import FitSettings, fit_scan
 from vaultcad.scanner import ScannerSettings, scan
@@ -151,6 +151,23 @@ def test_reveals_that_go_far_up_do_not_hide_a_vault() -> None:
     result = fit_scan(Cloud(np.concatenate([xyz, shaft]).astype(np.float32)), FitSettings(families=(Groin,)))
     (fitted,) = result.model.vaults
     assert fitted.parameters["rise"].value == pytest.approx(1.5, abs=0.08)
+
+
+@pytest.mark.parametrize("walled", [False, True], ids=["lining", "room"])
+def test_a_cylinder_that_goes_on_below_its_springing_is_no_vault_of_a_room(walled: bool) -> None:
+    rng = np.random.default_rng(3)
+    turn, along = rng.uniform(-0.5, np.pi + 0.5, 40_000), rng.uniform(-6, 6, 40_000)
+    xyz = np.column_stack([2.8 * np.cos(turn), along, 2.8 * np.sin(turn)]) + rng.normal(0, 0.003, (40_000, 3))
+    if walled:
+        below = xyz[:, 2] < 0
+        xyz[below, 0] = 2.8 * np.sign(xyz[below, 0])
+    floor = rng.uniform([-2.4, -6, -1.35], [2.4, 6, -1.34], (8_000, 3))
+    tunnel, settings = Cloud(np.concatenate([xyz, floor]).astype(np.float32)), FitSettings(families=(Barrel,))
+    if walled:
+        assert fit_scan(tunnel, settings).model.vaults[0].parameters["span"].value == pytest.approx(5.6, abs=0.01)
+        return
+    with pytest.raises(OtherThingError, match=r"2\.80 m radius that goes on below its springing, .* tunnel"):
+        fit_scan(tunnel, settings)
 
 
 def test_the_lintel_of_a_door_is_no_arch() -> None:

@@ -46,6 +46,14 @@ def test_no_ribs_are_made_up(vault):
     assert under(vault)[0] == ()
 
 
+def test_what_hangs_at_two_heights_under_a_line_is_no_rib():
+    placed = Placed(Groin(5, 5), Pose(0.0, 0.0, 0.0, 0.0))
+    along = np.linspace(-2.5, 2.5, 1000)
+    height = np.sqrt(np.maximum(2.5**2 - along**2, 0.0))
+    rafters = np.concatenate([np.column_stack([along, along, height - depth]) for depth in (0.15, 0.3)])
+    assert ribs_under(placed, rafters) == ()
+
+
 def test_vaults_without_four_straight_sides_have_none_looked_for():
     from families import Rotunda
 
