@@ -44,7 +44,7 @@ DOUBTFUL = 0.2  # chance of that from which on it is said why
 ROUGH = 0.15  # chance beforehand that a vault is as rough as what a wrong family leaves
 MIRRORS = np.array([[-1, 1, 1], [1, -1, 1], [-1, -1, 1]])  # of the plan
 BY_CHANCE, BY_SHAPE = (0.2, 0.2), (0.7, 0.25)  # mean and spread of how far residuals are alike in a mirror
-# From samples of six vaults with waves of 8 to 25 mm, and of ten seen as another family (29 November 2026).
+# Set by hand, then looked at on six vaults with waves of 8 to 25 mm and ten seen as another family (29 November 2026).
 MOST_ODDS = log(10.0)  # of chance, that such a correlation can tell
 WAVES, OF_VARIANCE = range(3, 13), 0.4  # round an axis, and the share of the residuals from which on they are named
 
