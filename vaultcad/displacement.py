@@ -140,10 +140,11 @@ class Displacement:
 
         grid = [np.ascontiguousarray(part, np.float64) for part in (self.low, self.step, self.coefficients)]
         xyz = np.ascontiguousarray(points, np.float64)
-        blocks = [xyz[start : start + BLOCK] for start in range(0, len(xyz), BLOCK)] or [xyz]
+        if len(xyz) <= BLOCK:
+            return compiled(xyz, *grid)
         with threads() as pool:
-            parts = list(pool.map(lambda block: compiled(block, *grid), blocks))
-        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+            blocks = [xyz[start : start + BLOCK] for start in range(0, len(xyz), BLOCK)]
+            return np.concatenate(list(pool.map(lambda block: compiled(block, *grid), blocks)))
 
 
 def _three(name: str, told: Any) -> Array:
