@@ -6,7 +6,8 @@ roughness: what settlement and plaster leave of the right family, and what a wro
 breaks where edges of the model are not the stone's. The odds are the ratio of marginal likelihoods (Jeffreys 1961).
 
 Old rubble and thick plaster leave as much as a wrong family does, but here and there, while a family that is wrong is
-wrong on both sides alike, or all round: what does not repeat itself in a mirror may be a rough vault of the right one.
+mostly wrong on both sides alike, or all round. What does not repeat itself in a mirror may be a rough vault of the
+right family: it is named, with the doubt; only what is no such vault either is refused.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ def _prior(strength: float, spread: float, roughness: float, rough_spread: float
 
 
 LEFT_BY_THE_RIGHT = _prior(0.004, 0.7, 0.0018, 0.5)
-LEFT_BY_A_WRONG_ONE = LEFT_BY_ROUGH_STONE = _prior(0.015, 0.8, 0.005, 0.7)
+LEFT_BY_A_WRONG_ONE = _prior(0.015, 0.8, 0.005, 0.7)  # and by rough stone
 """From 26 and 21 virtual rooms (29 November 2026), settled by up to 5 cm, fitted with their family and without it;
 `python -m bench strangers` tries others."""
 
@@ -70,12 +71,13 @@ class Misfit:
     """What the stone says against the best model.
 
     chance: that it is of none of the families. off: root mean square of the stone's distance, over blocks [m]. waves:
-    round the axis, in which most of it runs; 0 if in none.
+    round the axis, in which most of it runs; 0 if in none. certain: chance likewise, where stone may be rough, too.
     """
 
     chance: float
     off: float
     waves: int = 0
+    certain: float = 0.0
 
     @classmethod
     def of(cls, refined: Refined) -> Misfit:
@@ -105,10 +107,9 @@ class Misfit:
         )
         waves = _waves(parts.place[usable], mean[usable], plan)
         alike = 1.0 if waves else _alike(parts.place[usable], mean[usable], plan)
-        right = float(np.logaddexp(right, wrong + log(ROUGH) + _log_odds_of_chance(alike)))
-        odds = wrong - right + log(STRANGE / (1 - STRANGE))
+        rough = float(np.logaddexp(right, wrong + log(ROUGH) + _log_odds_of_chance(alike)))
         off = float(np.sqrt(np.mean(mean[usable] ** 2)))
-        return cls(1 / (1 + exp(-odds)) if odds > -700 else 0.0, off, waves)
+        return cls(_strange(wrong - right), off, waves, _strange(wrong - rough))
 
     @property
     def reason(self) -> str:
@@ -131,8 +132,14 @@ def refuse_strangers(misfit: Misfit, title: str) -> None:
     Raises:
         NoVaultError: it is.
     """
-    if misfit.chance > REFUSED:
+    if misfit.certain > REFUSED:
         raise NoVaultError(f"no vault found: none of these families: nearest is a {title}, but {misfit.reason}")
+
+
+def _strange(odds: float) -> float:
+    """Chance of none of the families, by the logarithm of how much better that explains the stone."""
+    odds += log(STRANGE / (1 - STRANGE))
+    return 1 / (1 + exp(-odds)) if odds > -700 else 0.0
 
 
 def _waves(place: Array, residual: Array, plan: Plan) -> int:
