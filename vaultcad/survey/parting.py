@@ -25,6 +25,9 @@ Mask = NDArray[np.bool_]
 CELL = 0.1, 1.5  # m and spacings; edge of the plan's cells, at least
 TOUCH, DRUM = 0.35, 0.45  # m between two patches of one ceiling in plan at most; where a drum lifts one of them
 PENDENTIVE = 0.8  # m² in plan of what hangs under a drum, and of the dome on it, at least
+RIM, LEVEL_RIM = 0.35, 0.7  # of its mean radius, by which the rim of a dome rises at most, and over that share of it
+COMPACT = 0.5  # area of a dome in plan / that of a circle about all of it, at least
+DRUM_STEEP = 0.5  # mean |nz| of a part of a drum at most
 LINTEL = 0.7  # share of a patch that is level, from which on it bears no drum, and is a lintel if it is small
 CONTACT = 15  # pairs of cells, one of either patch, that touch: a few where only corners do
 LEVEL = 0.8  # m between two patches in height where they touch, of one ceiling before drums are looked for
@@ -196,7 +199,8 @@ class _Plan:
         """Whether one of a pair of groups is a dome on a drum over the other, of whose cells those in `contact` touch.
 
         It is above all of that, and over no ceiling, as a storey would be. A drum stands on the top of pendentives: a
-        vault against the wall of a higher room touches that with its springing. Nor are they level, as lintels.
+        vault against the wall of a higher room touches that with its springing. Nor are they level, as lintels. A drum
+        itself may be in parts.
         """
         upper, lower = sorted(pair.tolist(), key=lambda k: -float(self.height[group == k].max()))
         bottom = float(self.height[group == upper].min())
@@ -205,10 +209,34 @@ class _Plan:
         large = min(len(mine), len(under)) * self.grid.cell**2 > PENDENTIVE
         if not large or bottom <= float(under.max()) or float(below.mean()) >= OVER:
             return False
-        borne = np.isin(self.patches.patch, self.patch[group == lower])
-        level = np.abs(self.patches.normals[borne, 2]) > LEVEL_NORMAL
+        level = np.abs(self._normals(group == lower)) > LEVEL_NORMAL
         touching = self.height[contact[group[contact] == lower]]
-        return bool(level.mean() < LINTEL and np.median(touching) >= np.median(under))
+        if level.mean() >= LINTEL or np.median(touching) < np.median(under):
+            return False
+        is_drum = np.abs(self._normals(group == upper)).mean() < DRUM_STEEP
+        return bool(is_drum) or self._is_dome(group == upper)
+
+    def _normals(self, mine: Mask) -> Array:
+        """The upward parts (n,) of the normals of a group, by its mask over the cells."""
+        upward: Array = self.patches.normals[np.isin(self.patches.patch, self.patch[mine]), 2]
+        return upward
+
+    def _is_dome(self, mine: Mask) -> bool:
+        """Whether a group, by its mask over the cells, is about as long as wide and ends at one height, as domes do.
+
+        The bays of a nave do not, which has windows below its barrel, and under these the vaults of its aisles; heads
+        of windows are long.
+        """
+        from scipy.ndimage import binary_erosion
+
+        at = np.column_stack(np.divmod(self.column[mine], self.grid.shape[1]))
+        at += 1 - at.min(axis=0)
+        held = np.zeros(at.max(axis=0) + 2, np.bool_)
+        held[tuple(at.T)] = True
+        radius = np.sqrt(held.sum() / np.pi)
+        rim = self.height[mine][~binary_erosion(held)[tuple(at.T)]]
+        level = (rim - np.quantile(rim, 0.02) < RIM * radius * self.grid.cell).mean() > LEVEL_RIM
+        return bool(level and radius**2 > COMPACT * ((at - at.mean(axis=0)) ** 2).sum(axis=1).max())
 
     def parts(self, ceilings: list[Mask], soffits: tuple[Soffit, ...]) -> list[Part]:
         """The part of each ceiling, told by masks (count,) of patches: where it is the nearest one of its storey."""

@@ -113,6 +113,27 @@ def test_a_lintel_does_not_join_the_vaults_of_two_rooms(high: float) -> None:
     assert sorted(np.sign(ceiling.points[:, 0]).mean() for ceiling in found) == [-1.0, 1.0]
 
 
+def test_windows_between_a_nave_and_its_aisle_do_not_join_them() -> None:
+    """A bay of the nave's barrel along y, the head of a window in its wall below, and under that a barrel along x."""
+    turn, along = np.meshgrid(np.arange(0.2, np.pi - 0.2, 0.0125), np.arange(-2.5, 2.5, 0.05))
+    up, over = np.sin(turn).ravel(), np.cos(turn).ravel()
+    nave = np.column_stack([over, np.zeros(up.size), up])
+    y, depth = (part.ravel() for part in np.meshgrid(np.arange(-1, 1, 0.05), np.arange(3.95, 4.7, 0.05)))
+    head = np.column_stack([np.zeros(y.size), 0.6 * y, np.ones(y.size)])
+    aisle = np.column_stack([np.zeros(up.size), over, up])
+    points = np.concatenate(
+        [
+            4 * nave + np.column_stack([np.zeros(up.size), along.ravel(), np.full(up.size, 5.0)]),
+            np.column_stack([depth, y, 4.8 - 0.3 * y**2]),
+            1.6 * aisle + np.column_stack([6.4 + along.ravel() * 0.62, np.zeros(up.size), np.full(up.size, 2.0)]),
+        ]
+    )
+    normals = np.concatenate([nave, head / np.linalg.norm(head, axis=1)[:, None], aisle])
+    found = parted(Thin(points, normals, np.ones(len(points)), 0.05), points.astype(np.float32)).ceilings
+    assert [one.area > 10 for one in found[:2]] == [True, True]
+    assert found[0].points[:, 2].min() > 5 > found[1].points[:, 2].max()
+
+
 def test_soffits_are_where_the_arches_are() -> None:
     scan, _, parting = surveyed("nave and apse")
     assert len(parting.soffits) == len(scan.case["arches"]) == 2
