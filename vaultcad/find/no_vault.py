@@ -42,12 +42,21 @@ def on_vault(placed: Placed, points: Array, normals: Array, tolerance: float) ->
     return near
 
 
+class PartlyError(NoVaultError):
+    """A model explains some of what hangs over a region: placed, in a band of half that tolerance [m]."""
+
+    def __init__(self, message: str, placed: Placed, tolerance: float) -> None:
+        super().__init__(message)
+        self.placed, self.tolerance = placed, tolerance
+
+
 def check(refined: Refined, site: Site, tolerance: float) -> None:
     """Refuse what is no vault.
 
     Raises:
         NoVaultError: a level ceiling, a surface too rough for masonry, or a model that most of what hangs over its
             springing is far from, or that says nothing of its rise.
+        PartlyError: such a model, where some of that is near it.
         OtherThingError: its family itself contradicts the model.
     """
     placed = refined.placed
@@ -68,9 +77,11 @@ def check(refined: Refined, site: Site, tolerance: float) -> None:
     _check_lesser(placed, site.points[inside], tolerance)
     share = float(on.mean()) if len(on) else 0.0
     if share < EXPLAINED:
-        raise NoVaultError(
+        raise PartlyError(
             f"no vault found: the best model, {vault.called}, explains {share:.0%} of what hangs over its springing; "
-            "crop the scan to one vaulted bay"
+            "crop the scan to one vaulted bay",
+            placed,
+            tolerance,
         )
     if rise < LOW * short:
         _check_rise(refined, rise)

@@ -10,24 +10,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
+from families.kinds.barrel import Barrel
 from vaultcad.errors import NoVaultError, OtherThingError
 from vaultcad.find.found import Found, likeliest_of, tolerance_of
 from vaultcad.find.likeness import agree, choices_like, starts_like
 from vaultcad.find.misfit import Misfit, refuse_strangers
-from vaultcad.find.no_vault import check, check_bent
+from vaultcad.find.no_vault import PartlyError, check, check_bent
 from vaultcad.find.recognise import recognise
 from vaultcad.find.refine import refine
 from vaultcad.find.ribs import SeenRib, ribs_under
 from vaultcad.fit.freedom import NONE, Demands
 from vaultcad.fit.label import label
+from vaultcad.fit.solve import Placed
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
 from vaultcad.survey.thinned_scan import STEEP, Site, Thin, find_site
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Bands = Sequence[tuple[Placed, float]]  # vaults, and how far from each its points are [m]
 
 NARROW = 0.9  # m, span of a part of a scan that is rather an arch, or nothing
+IN_WALL, SHORT = 1.25, 0.6  # m; share of its span; barrels less long are of arches, doors or windows
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
@@ -76,18 +80,25 @@ class _Search:
 
     def region(self, region: Region, *, part: bool = False) -> list[Found]:
         """The vaults over a region."""
+        one, bands = None, []
         try:
             one = self._fit(region, part)
+            bands = [(one.placed, one.tolerance)]
         except OtherThingError as error:
             self.refusals.append(error)
             return []
+        except PartlyError as error:
+            self.refusals.append(error)
+            bands = [(error.placed, error.tolerance)]
         except NoVaultError as error:
             self.refusals.append(error)
-            one = None
+        if one and self._settled(one, region):
+            return [one]
         parts = self.ceiling.parts(region)
-        if (len(parts) == 1 and parts[0] is region) or (one and self._settled(one, region)):
-            return [one] if one else []
-        bays = [found for bay in parts for found in self.region(bay, part=True)]
+        if len(parts) == 1 and parts[0] is region:
+            bays = self._beside(region, bands)
+        else:
+            bays = [found for bay in parts for found in self.region(bay, part=True)]
         if one is None:
             return bays
         gain = 1 / GAIN if one.placed.vault.may_be_several else GAIN
@@ -112,7 +123,7 @@ class _Search:
         seen = self._explained([found], region) * self.ceiling.cell**2
         short = vault.plan.width
         area = vault.plan.area
-        if part and (short < NARROW or area < LEAST):
+        if part and (short < NARROW or area < LEAST or _is_soffit(vault)):
             raise NoVaultError(
                 f"no vault found: {vault.called} {short:.1f} m wide over {area:.1f} m² is an arch, if any"
             )
@@ -174,11 +185,31 @@ class _Search:
         several = one.placed.vault.may_be_several
         return not several and self._explained([one], region) >= SURE * len(self.ceiling.points(region))
 
+    def _beside(self, region: Region, bands: Bands) -> list[Found]:
+        """The vaults of a region that no valley parts, cut where the stone of a model of all of it ends.
+
+        None where that leaves nothing beside it, or one of its own family, as then it is itself that ends too early.
+        """
+        core, *others = self.ceiling.cut(region, self.ceiling.points(region)[self._under(bands, region)])
+        if not others or not (mine := self.region(core, part=True)):
+            return []
+        beside = [found for other in others for found in self.region(other, part=True)]
+        families = {type(found.placed.vault) for found in mine}
+        return [] if any(type(found.placed.vault) in families for found in beside) else [*mine, *beside]
+
     def _explained(self, found: Sequence[Found], region: Region) -> int:
         """Over how many of the ceiling's cells of a region the vaults hang."""
-        points = self.ceiling.points(region)
-        labels = label(points, [(one.placed, one.tolerance) for one in found])
-        return int((labels.vault > 0).sum())
+        return int(self._under([(one.placed, one.tolerance) for one in found], region).sum())
+
+    def _under(self, bands: Bands, region: Region) -> NDArray[np.bool_]:
+        """Which of the ceiling's points of a region are the vaults'."""
+        own: NDArray[np.bool_] = label(self.ceiling.points(region), bands).vault > 0
+        return own
+
+
+def _is_soffit(vault: Vault) -> bool:
+    """Whether a barrel is as short for its span as those through a wall, over doors and windows."""
+    return isinstance(vault, Barrel) and vault.length < min(IN_WALL, SHORT * vault.span)
 
 
 def _without(site: Site, ribs: Sequence[SeenRib]) -> Site:

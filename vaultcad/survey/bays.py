@@ -19,6 +19,7 @@ VALLEY = 0.05  # m; a bay's mean height falls by this on either side, at least
 SLOPE, NEIGHBOURS = 3.5, 3  # steepest ceiling; neighbours that a cell must go on into
 NARROWEST = 1.0  # m, of a bay
 LEAST = 1.5  # m², of the ceiling over a bay
+BESIDE = 6.0  # m², of the ceiling beside a vault that may be another
 GAP = 10.0  # m; how deep a gap counts
 WALL_CELLS = 2  # cells beyond what hangs over a room that belong to it
 ROOMY = 200, 1 << 20  # cells of the grid that a point may have, and that any scan may have
@@ -119,6 +120,25 @@ class CeilingGrid:
         ends = [region.low[axis], *chosen, region.high[axis]]
         pieces = (_between(region, axis, a, b) for a, b in pairwise(ends))
         return [trimmed for piece in pieces if (trimmed := self._roofed(piece)) is not None]
+
+    def cut(self, region: Region, explained: NDArray[np.floating]) -> list[Region]:
+        """A region cut where points (n, 3) [m] end: that about them, then what lies beyond, as an apse behind a choir.
+
+        Parts beyond with less than `BESIDE` overhead are left out; the region alone where there is none.
+        """
+        if not len(explained):
+            return [region]
+        xy = turned(explained[:, :2], self.yaw)
+        low, high = np.maximum(xy.min(axis=0), region.low), np.minimum(xy.max(axis=0), region.high)
+        core, found = region, []
+        for axis in range(2):
+            for a, b, end in ((region.low[axis], low[axis], "low"), (high[axis], region.high[axis], "high")):
+                part = self._roofed(_between(core, axis, a, b)) if b - a > NARROWEST else None
+                if part is not None and np.isfinite(self.within(part)).sum() * self.cell**2 > BESIDE:
+                    found.append(part)
+                    ends = (b, core.high[axis]) if end == "low" else (core.low[axis], a)
+                    core = _between(core, axis, *ends)
+        return [core, *found]
 
     def _roofed(self, region: Region) -> Region | None:
         """A region less the margins that nothing hangs over; None where too little does for a vault."""
