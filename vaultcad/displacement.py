@@ -87,7 +87,7 @@ class Displacement:
     def check(self) -> None:
         """Raise ValueError where it may fold."""
         if self.may_fold:
-            raise ValueError(f"surface.micrometres stretch by up to {self.steepness:.2g}, where the surface may fold")
+            raise ValueError(f"the as-built surface stretches by up to {self.steepness:.2g}, where it may fold")
 
     def plain(self) -> dict[str, Any]:
         """As plain values, coefficients in micrometres: a line a row of the grid along z, of x, y, z by turns."""

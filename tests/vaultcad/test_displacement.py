@@ -59,7 +59,7 @@ def test_a_field_that_may_fold_is_neither_read_nor_undone(inside):
     steep = grid(lambda places: np.where(np.arange(len(places))[:, None] % 2 == 0, 0.3, -0.3) * [0.0, 0.0, 1.0])
     assert steep.may_fold
     for refused in (lambda: steep.undone(inside), lambda: Displacement.from_plain(steep.plain())):
-        with pytest.raises(ValueError, match=r"stretch by up to 1\.7, where the surface may fold"):
+        with pytest.raises(ValueError, match=r"the as-built surface stretches by up to 1\.7, where it may fold"):
             refused()
     gentle = grid(lambda places: 0.05 * np.sin(places))
     assert gentle.moved(gentle.undone(inside)) == pytest.approx(inside, abs=1e-6)
