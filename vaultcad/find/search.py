@@ -188,14 +188,16 @@ class _Search:
     def _beside(self, region: Region, bands: Bands) -> list[Found]:
         """The vaults of a region that no valley parts, cut where the stone of a model of all of it ends.
 
-        None where that leaves nothing beside it, or one of its own family, as then it is itself that ends too early.
+        None unless there is one on both sides of a cut; nor where these are of one family, for then it is the model
+        itself that ended too early.
         """
         core, *others = self.ceiling.cut(region, self.ceiling.points(region)[self._under(bands, region)])
-        if not others or not (mine := self.region(core, part=True)):
-            return []
-        beside = [found for other in others for found in self.region(other, part=True)]
+        mine = self.region(core, part=True) if others else []
+        beside = [found for other in others for found in self.region(other, part=True)] if mine else []
         families = {type(found.placed.vault) for found in mine}
-        return [] if any(type(found.placed.vault) in families for found in beside) else [*mine, *beside]
+        if not beside or any(type(found.placed.vault) in families for found in beside):
+            return []
+        return [*mine, *beside]
 
     def _explained(self, found: Sequence[Found], region: Region) -> int:
         """Over how many of the ceiling's cells of a region the vaults hang."""
