@@ -27,6 +27,7 @@ TOUCH, DRUM = 0.35, 0.45  # m between two patches of one ceiling in plan at most
 PENDENTIVE = 0.8  # m² in plan of what hangs under a drum, and of the dome on it, at least
 RIM, LEVEL_RIM = 0.35, 0.7  # of its mean radius, by which the rim of a dome rises at most, and over that share of it
 COMPACT = 0.5  # area of a dome in plan / that of a circle about all of it, at least
+CREASE = 4  # cells, of creases and oculi that are no rim
 DRUM_STEEP = 0.5  # mean |nz| of a part of a drum at most
 LINTEL = 0.7  # share of a patch that is level, from which on it bears no drum, and is a lintel if it is small
 CONTACT = 15  # pairs of cells, one of either patch, that touch: a few where only corners do
@@ -185,7 +186,9 @@ class _Plan:
         links, which, touching = np.unique(pair, axis=0, return_inverse=True, return_counts=True)
         which = which.ravel()
         columns = {int(k): set(self.column[group == k].tolist()) for k in np.unique(group)}
-        for k in np.argsort(-touching, kind="stable"):
+        # A dome is joined with its pendentives before anything below these.
+        first = [self._gap(group, pair) for pair in links] if lifted else -touching
+        for k in np.argsort(first, kind="stable"):
             if lifted and not self._lifts(group, links[k], np.concatenate([a[near], b[near]])[np.tile(which == k, 2)]):
                 continue
             i, j = sorted((int(number[links[k, 0]]), int(number[links[k, 1]])))
@@ -194,6 +197,11 @@ class _Plan:
                 columns[i] |= columns[j]
                 number = np.where(number == j, i, number)
         return number
+
+    def _gap(self, group: Ints, pair: Ints) -> float:
+        """How far the higher one of a pair of groups begins above the top of the other [m]."""
+        heights = [self.height[group == k] for k in pair.tolist()]
+        return float(max(np.min(height) for height in heights) - min(np.max(height) for height in heights))
 
     def _lifts(self, group: Ints, pair: Ints, contact: Ints) -> bool:
         """Whether one of a pair of groups is a dome on a drum over the other, of whose cells those in `contact` touch.
@@ -227,12 +235,13 @@ class _Plan:
         The bays of a nave do not, which has windows below its barrel, and under these the vaults of its aisles; heads
         of windows are long.
         """
-        from scipy.ndimage import binary_erosion
+        from scipy.ndimage import binary_closing, binary_erosion, binary_fill_holes
 
         at = np.column_stack(np.divmod(self.column[mine], self.grid.shape[1]))
-        at += 1 - at.min(axis=0)
-        held = np.zeros(at.max(axis=0) + 2, np.bool_)
+        at += 1 + CREASE - at.min(axis=0)
+        held = np.zeros(at.max(axis=0) + 2 + CREASE, np.bool_)
         held[tuple(at.T)] = True
+        held = binary_fill_holes(binary_closing(held, iterations=CREASE))  # no patch lies over a crease between webs
         radius = np.sqrt(held.sum() / np.pi)
         rim = self.height[mine][~binary_erosion(held)[tuple(at.T)]]
         level = (rim - np.quantile(rim, 0.02) < RIM * radius * self.grid.cell).mean() > LEVEL_RIM
