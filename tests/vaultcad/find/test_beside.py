@@ -4,7 +4,7 @@ import numpy as np
 
 from families import Barrel, Conch
 from segmentation.cloud import Cloud
-from vaultcad.find.search import under_one_ceiling
+from vaultcad.find.search import _is_soffit, under_one_ceiling
 from vaultcad.fit.freedom import NONE
 from vaultcad.scanner import ScannerSettings
 from vaultcad.scanner.building import Bay, Building, Place, scan_building
@@ -25,8 +25,6 @@ def test_an_apse_is_found_behind_its_choir() -> None:
 
 
 def test_the_head_of_a_window_is_no_vault() -> None:
-    from vaultcad.find.search import _is_soffit
-
     assert _is_soffit(Barrel(3.0, 0.9))
     assert not _is_soffit(Barrel(9.0, 4.0))  # a bay of a nave
     assert not _is_soffit(Barrel(1.2, 6.0))  # a corridor
