@@ -89,7 +89,8 @@ def refine(
         weighed = tuple(c for c in weighed if c is RECTANGLE)
     best = fit(start, kept, wide=FROM_AFAR if start.vault.skew else ())
     if known is None and _leaves_stone(best):
-        best = _begun_again(best, fit)
+        best = _begun_again(best, site, rng, demands)
+        fit = _Fit(best.evidence, demands)
     for constraint in weighed:
         trial = fit(*turned_over(best.placed, best.kept, constraint), wide=FROM_AFAR if constraint is RECTANGLE else ())
         more, less = (best, trial) if constraint in best.kept else (trial, best)  # constrained
@@ -120,17 +121,21 @@ def _leaves_stone(one: Refined) -> bool:
     return bool((left > LEFT * whole).any())
 
 
-def _begun_again(one: Refined, fit: _Fit) -> Refined:
+def _begun_again(one: Refined, site: Site, rng: np.random.Generator, demands: Demands) -> Refined:
     """The same from afar with none of the family's own constraints, or with another kind of one arch, if that pays."""
     vault, kept = one.placed.vault, tuple(c for c in one.kept if c is RECTANGLE)
     arches = [(name, as_kind(kind, arch)) for name, arch in vault.profiles.items() for kind in vault.kinds_for(name)]
-    best = one
-    for other in [vault, *(vault.with_arches({name: arch}) for name, arch in arches if arch is not None)]:
-        if fit.demands.suits(other):
-            trial = fit(replace(one.placed, vault=fit.demands.begun(other)), kept, wide=FROM_AFAR)
-            price = (len(trial.solution.names) - len(best.solution.names)) * log(INDEPENDENT)
-            if is_its_family(trial.placed.vault) and fit.demands.met(trial.placed.vault):
-                best = trial if fit.gain(best, trial) > price else best
+    others = [vault, *(vault.with_arches({name: arch}) for name, arch in arches if arch is not None)]
+    begun = [replace(one.placed, vault=demands.begun(other)) for other in others if demands.suits(other)]
+    every = Evidence.draw(site, FREEDOM_POINTS, rng, demands)
+    begun = [every.solve(start, demands.freedom(start.vault, kept), FROM_AFAR).placed for start in begun]
+    fit = _Fit(Evidence.draw(site, FREEDOM_POINTS, rng, demands, about=[one.placed, *begun]), demands)
+    best = fit(one.placed, one.kept)
+    for start in begun:
+        trial = fit(start, kept)
+        price = (len(trial.solution.names) - len(best.solution.names)) * log(INDEPENDENT)
+        if is_its_family(trial.placed.vault) and demands.met(trial.placed.vault) and fit.gain(best, trial) > price:
+            best = trial
     return best
 
 
