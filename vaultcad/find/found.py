@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from vaultcad.find.choices import Choice, likeliest, weigh
 from vaultcad.find.misfit import FITS, Misfit
 from vaultcad.find.recognise import Hypothesis

@@ -50,8 +50,8 @@ class Field:
     """The points of a fit, their blocks, and the random field in which these may have moved.
 
     scale: of the loss of fits [m]. usable: (m,) blocks. values, vectors: of the covariances of the field, for each of
-    `LENGTHS`. unheard: (n,) component that a point is of, if blocks say nothing of most of that, else 0. tolerance: half
-    of the band in which a component's points lie [m].
+    `LENGTHS`. unheard: (n,) component that a point is of, if blocks say nothing of most of that, else 0. tolerance: of
+    the band in which a component's points lie, to either side [m].
     """
 
     evidence: Evidence
