@@ -100,11 +100,10 @@ class WebFrame:
         bare[0, body_table.HALF] = 0.0  # whose arches are nothing where the ridge is no higher than the diagonals
         found = {bow.at(bow.end)[0] / reach for bow in self.bows}
         places = np.linspace(0, 1, LOOKS + 1)[1:]
-        # Steep, and level: by the reach, as that is common to all webs, so that ridges which are alike end in one place.
-        for limit in (half, webs.FLAT * reach):
+        for limit in (1.0, webs.FLAT):  # steep, and level
 
             def miss(v: float, limit: float = limit) -> float:
-                return float(webs.web_arch_rises(np.array([v]), bare)[0]) - limit * v
+                return float(webs.web_arch_rises(np.array([v]), bare)[0]) - limit * v * half
 
             values = np.array([miss(v) for v in places.tolist()])
             values[np.abs(values) < STRAIGHT] = 0.0
