@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 Within = Callable[[Array], NDArray[np.bool_]]
 FINE = 5e-4  # [m] between triangles and the surface, and between their edges and a round rim
 COARSE = 5e-3  # [m] likewise of webs, which end in straight lines of the plan, so that no triangle is on two of them
+FLAT_WEBS = 1e-3  # of their rise, no farther
 NARROW = 2e-3  # of half the width of a plan with a round rim, no farther
 AROUND = 4.0  # times that distance, above and below a triangle, within which the surface is looked for first
 RIM = 1e-6  # [m] that the ends of edges may be off a round rim
@@ -74,7 +75,7 @@ def integral_of(vault: Vault) -> tuple[float, float]:
     """
     plan, fine = vault.plan, FINE
     if any(isinstance(part, Web) for piece in vault.pieces() for part in piece.parts):
-        fine = COARSE
+        fine = min(COARSE, FLAT_WEBS * vault.top)
     rounds = {(side.centre, round(side.radius, 12), side.inside) for side in plan.sides if side.centre is not None}
     if rounds:
         rim = sum(float(np.linalg.norm(row - np.roll(row, 1, axis=0), axis=1).sum()) for row in plan.outlines())
