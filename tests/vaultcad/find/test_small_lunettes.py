@@ -58,6 +58,6 @@ def test_a_lunette_is_found_again_from_one_of_another_arch_elsewhere() -> None:
     placed, free = replace(STANDS, vault=begun), NONE.freedom(begun, kept)
     near = evidence.solve(placed, free, (0.05,))
     assert near.placed.vault.derived_values()["lunette_span"] < truth.lunette_span - 0.2, "from near by it is not"
-    found = refine(Hypothesis(near, free, kept, 0.0, 0.0), site, rng).placed.vault
+    found = refine(Hypothesis(near, free, kept, 0.0, 0.0, own=True), site, rng).placed.vault
     assert found.derived_values()["lunette_span"] == pytest.approx(truth.lunette_span, abs=0.25)
     assert found.derived_values()["shift"] == pytest.approx(truth.shift, abs=0.05)
