@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from bench.figures import Figure, Table, count, error, label, number, share
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
-from vaultcad.change.mechanisms import Body
 from vaultcad.change.places import Sights, places, readings
 from vaultcad.change.two_dates import ScanChange, compare_scans
 from vaultcad.errors import VaultcadError
+from vaultcad.mechanisms import Body
 from vaultcad.model import FittedVault
 from vaultcad.pipeline import FitSettings, fit_scan
 from vaultcad.scanner import draw, scan
@@ -184,7 +184,7 @@ def _compared(known: str, fitted: FittedVault, vault: Vault, settings: ScannerSe
 
 def truth(fitted: FittedVault, vault: Vault, settings: ScannerSettings) -> dict[str, float]:
     """What a vault has truly moved by [m], at the places where the figures of its fit are read, by their names."""
-    wanted = readings(fitted.vault, Body(fitted.vault.plan.half, fitted.vault.top, settings.wall_height), Sights())
+    wanted = readings(fitted.vault, Body.of(fitted.vault, settings.wall_height), Sights())
     at, placement = places(wanted), fitted.pose.placement()
     c, s = np.cos(settings.yaw), np.sin(settings.yaw)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -15,7 +15,6 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.change.mechanisms import MECHANISMS, PARTS, shapes
 from vaultcad.change.motion import Trend, Waves, estimated, honest, likelihoods, mixed
 from vaultcad.change.places import movement_of, places, readings
 from vaultcad.change.stone import Known, Stone
@@ -26,6 +25,7 @@ from vaultcad.find.refine import Refined
 from vaultcad.fit.freedom import Demands, Freedom
 from vaultcad.fit.solve import POSE, Placed, Solution
 from vaultcad.fit.uncertainty import slopes_of_distances
+from vaultcad.mechanisms import MECHANISMS, PARTS, shapes
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.change.mechanisms import Body, shapes
 from vaultcad.change.motion import Trend
 from vaultcad.change.places import Sights
 from vaultcad.change.strays import without_strays
@@ -17,6 +16,7 @@ from vaultcad.find.practice import beforehand
 from vaultcad.find.refine import WIDEST, Refined
 from vaultcad.fit.settlement import Partition
 from vaultcad.fit.solve import Solution
+from vaultcad.mechanisms import Body, shapes
 
 Array = NDArray[np.float64]
 Known = tuple[Array, Array, Array]
@@ -64,8 +64,7 @@ class Stone:
         if usable.sum() < ENOUGH:
             return None
         vault = placed.vault
-        depth = max(float(-blocks.place[usable, 2].min()), 0.1)
-        body = Body(vault.plan.half, max(vault.top, 0.1), depth)
+        body = Body.of(vault, float(-blocks.place[usable, 2].min()))
         frame = placed.pose.frame()
         local = evidence.points @ frame[:, :3].T + frame[:, 3]
         shown = shapes(local, body)
