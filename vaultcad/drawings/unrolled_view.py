@@ -8,6 +8,7 @@ from math import ceil, floor
 import numpy as np
 from numpy.typing import NDArray
 
+from families.declaration.pieces import Web
 from families.drawing.deviation_colours import CONVENTION
 from families.unrolled.gores import MOST_DISTORTED
 from families.unrolled.sheet import Leaf, Sheet, unrolled
@@ -26,11 +27,12 @@ LONG = 0.8  # m of a line that may have its number
 
 
 def unrolled_view(fitted: FittedVault) -> View | None:
-    """The view of a vault's as-built surface; None where it has none.
+    """The view of a vault's as-built surface; None where it has none, or has webs, which come in dozens of strips.
 
     Parts lie as in plan, each in its true lengths as far as can be; the view says how far.
     """
-    if fitted.surface is None:
+    webs = any(isinstance(part, Web) for piece in fitted.vault.pieces() for part in piece.parts)
+    if fitted.surface is None or webs:
         return None
     sheet = unrolled(fitted.vault)
     told = [(leaf, *_displaced(sheet, leaf, fitted.surface)) for leaf in sheet.leaves]
