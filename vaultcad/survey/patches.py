@@ -67,10 +67,11 @@ class Patches:
         return _by_size(self.points[mine], self.normals[mine], self.patch[mine], self.spacing)
 
 
-def ceilings_of(thin: Thin) -> Patches:
-    """The patches of a scan that have a room below them."""
+def hung_and_other(thin: Thin) -> tuple[Patches, Patches]:
+    """The patches of a scan that have a room below them, and those that have none: floors and backs of vaults."""
     patches = patches_of(thin)
-    return patches.only(_has_room_below(patches))
+    hung = _has_room_below(patches)
+    return patches.only(hung), patches.only(~hung)
 
 
 def patches_of(thin: Thin) -> Patches:

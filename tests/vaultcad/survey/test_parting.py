@@ -126,6 +126,21 @@ def test_a_lintel_does_not_join_the_vaults_of_two_rooms(high: float) -> None:
     assert sorted(np.sign(ceiling.points[:, 0]).mean() for ceiling in found) == [-1.0, 1.0]
 
 
+def test_the_back_of_a_vault_is_none_of_its_part() -> None:
+    """A barrel along y, its back 0.2 m above, which an attic under a level roof shows."""
+    turn, along = (part.ravel() for part in np.meshgrid(np.arange(0.1, np.pi - 0.1, 0.02), np.arange(-3, 3, 0.05)))
+    facing = np.column_stack([np.cos(turn), np.zeros(turn.size), np.sin(turn)])
+    face, back = (r * facing + np.column_stack([np.zeros(turn.size), along, np.full(turn.size, 3)]) for r in (2.0, 2.2))
+    roof = np.stack(np.meshgrid(np.arange(-2.5, 2.5, 0.05), np.arange(-3, 3, 0.05), [7.5]), -1).reshape(-1, 3)
+    points = np.concatenate([face, back, roof])
+    normals = np.concatenate([facing, facing, np.tile([0.0, 0.0, 1.0], (len(roof), 1))])
+    found = parted(Thin(points, normals, np.ones(len(points)), 0.05), points.astype(np.float32)).ceilings
+    vault = next(one for one in found if one.points[:, 2].max() < 6)
+    assert vault.part.holds(face).mean() > 0.97
+    over = np.abs(back[:, 0]) < 1.9
+    assert vault.part.holds(back)[over].mean() < 0.03
+
+
 def test_windows_between_a_nave_and_its_aisle_do_not_join_them() -> None:
     """A bay of the nave's barrel along y, the head of a window in its wall below, and under that a barrel along x."""
     turn, along = np.meshgrid(np.arange(0.2, np.pi - 0.2, 0.0125), np.arange(-2.5, 2.5, 0.05))
