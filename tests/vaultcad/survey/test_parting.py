@@ -18,6 +18,7 @@ from vaultcad.scanner import ScannerSettings, draw, scan
 from vaultcad.scanner.building import Arch, Bay, Building, BuildingScan, Place, Style, scan_building
 from vaultcad.scanner.building.rows import beside, in_row
 from vaultcad.survey.parting import Parting, parted
+from vaultcad.survey.patches import patches_of
 from vaultcad.survey.soffits import Soffit
 from vaultcad.survey.thinned_scan import Thin, thin_scan
 
@@ -139,6 +140,19 @@ def test_the_back_of_a_vault_is_none_of_its_part() -> None:
     assert vault.part.holds(face).mean() > 0.97
     over = np.abs(back[:, 0]) < 1.9
     assert vault.part.holds(back)[over].mean() < 0.03
+
+
+def test_a_crease_parts_patches_and_a_bend_does_not() -> None:
+    """Two planes that meet at 25°, and a cylinder that turns by 84°."""
+    xy = np.random.default_rng(5).uniform(-2, 2, (8_000, 2))
+
+    def patches(slant: np.ndarray, height: np.ndarray) -> int:
+        facing = np.column_stack([np.sin(slant), np.zeros(len(xy)), np.cos(slant)])
+        return patches_of(Thin(np.column_stack([xy, height]), facing, np.ones(len(xy)), 0.05)).count
+
+    turn = np.radians(12.5)
+    assert patches(turn * np.sign(xy[:, 0]), -np.abs(xy[:, 0]) * np.tan(turn)) == 2
+    assert patches(np.arcsin(xy[:, 0] / 3), np.sqrt(9 - xy[:, 0] ** 2)) == 1
 
 
 def test_windows_between_a_nave_and_its_aisle_do_not_join_them() -> None:
