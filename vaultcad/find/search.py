@@ -23,7 +23,7 @@ from vaultcad.fit.freedom import NONE, Demands
 from vaultcad.fit.label import label
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.bay_arches import bay_of, without_arches
-from vaultcad.survey.bays import BESIDE, LEAST, CeilingGrid, Region
+from vaultcad.survey.bays import LEAST, CeilingGrid, Region
 from vaultcad.survey.thinned_scan import STEEP, Site, Thin, find_site
 
 Array = NDArray[np.float64]
@@ -32,7 +32,6 @@ Bands = Sequence[tuple[Placed, float]]  # vaults, and how far from each its poin
 
 NARROW = 0.9  # m, span of a part of a scan that is rather an arch, or nothing
 IN_WALL, SHORT = 1.25, 0.6  # m; share of its span; barrels less long are of arches, doors or windows
-CLIMBS = 0.1  # slope from which on a vault is over a stair or a ramp
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
@@ -97,7 +96,7 @@ class _Search:
             return [one]
         parts = self.ceiling.parts(region)
         if len(parts) == 1 and parts[0] is region:
-            bays = self._beside(region, bands, alone=one is None)
+            bays = self._beside(region, bands)
         else:
             bays = [found for bay in parts for found in self.region(bay, part=True)]
         if one is None:
@@ -187,18 +186,17 @@ class _Search:
         several = one.placed.vault.may_be_several
         return not several and self._explained([one], region) >= SURE * len(self.ceiling.points(region))
 
-    def _beside(self, region: Region, bands: Bands, *, alone: bool) -> list[Found]:
+    def _beside(self, region: Region, bands: Bands) -> list[Found]:
         """The vaults of a region that no valley parts, cut where the stone of a model of all of it ends.
 
-        None unless there is one on both sides of a cut; nor where these are of one kind, for then it is the model
-        itself that ended too early. alone: whether that is refused for all of the region, so that one side will do.
+        None unless there is one on both sides of a cut; nor where these are of one family, for then it is the model
+        itself that ended too early.
         """
-        least = LEAST if alone else BESIDE
-        core, *others = self.ceiling.cut(region, self.ceiling.points(region)[self._under(bands, region)], least)
+        core, *others = self.ceiling.cut(region, self.ceiling.points(region)[self._under(bands, region)])
         mine = self.region(core, part=True) if others else []
         beside = [found for other in others for found in self.region(other, part=True)] if mine else []
-        kinds = {_kind(found) for found in mine}
-        if any(_kind(found) in kinds for found in beside) or not (beside or alone):
+        families = {type(found.placed.vault) for found in mine}
+        if not beside or any(type(found.placed.vault) in families for found in beside):
             return []
         return [*mine, *beside]
 
@@ -210,12 +208,6 @@ class _Search:
         """Which of the ceiling's points of a region are the vaults'."""
         own: NDArray[np.bool_] = label(self.ceiling.points(region), bands).vault > 0
         return own
-
-
-def _kind(found: Found) -> tuple[type[Vault], bool]:
-    """Its family, and whether it climbs, as over a stair: landings before and behind that have barrels, too."""
-    vault = found.placed.vault
-    return type(vault), abs(vault.values().get("slope", 0.0)) > CLIMBS
 
 
 def _is_soffit(vault: Vault) -> bool:

@@ -121,10 +121,10 @@ class CeilingGrid:
         pieces = (_between(region, axis, a, b) for a, b in pairwise(ends))
         return [trimmed for piece in pieces if (trimmed := self._roofed(piece)) is not None]
 
-    def cut(self, region: Region, explained: NDArray[np.floating], least: float = BESIDE) -> list[Region]:
+    def cut(self, region: Region, explained: NDArray[np.floating]) -> list[Region]:
         """A region cut where points (n, 3) [m] end: that about them, then what lies beyond, as an apse behind a choir.
 
-        Parts beyond with less than `least` [m²] overhead are left out; the region alone where there is none.
+        Parts beyond with less than `BESIDE` overhead are left out; the region alone where there is none.
         """
         if not len(explained):
             return [region]
@@ -134,7 +134,7 @@ class CeilingGrid:
         for axis in range(2):
             for a, b, end in ((region.low[axis], low[axis], "low"), (high[axis], region.high[axis], "high")):
                 part = self._roofed(_between(core, axis, a, b)) if b - a > NARROWEST else None
-                if part is not None and np.isfinite(self.within(part)).sum() * self.cell**2 > least:
+                if part is not None and np.isfinite(self.within(part)).sum() * self.cell**2 > BESIDE:
                     found.append(part)
                     ends = (b, core.high[axis]) if end == "low" else (core.low[axis], a)
                     core = _between(core, axis, *ends)
