@@ -15,6 +15,7 @@ from vaultcad.fit.evidence import Evidence
 from vaultcad.fit.solve import Placed
 from vaultcad.pose import Pose
 from vaultcad.scanner.waves import draw_waves
+from vaultcad.survey.thinned_scan import Site
 
 SETTLED = 0.012  # m, along each axis
 OCTAGON = Cloister(8, 3.0, Semicircular())
@@ -87,6 +88,23 @@ def test_ridges_all_over_are_corrugated_sheet_and_no_masonry(axis: int) -> None:
         misfit = Misfit.of(replace(plain, solution=solution))
         assert (misfit.certain > REFUSED) == refused
         assert ("ridges 25 cm apart and 3." in misfit.reason) == refused
+
+
+def test_much_stone_beside_a_vault_speaks_against_it() -> None:
+    """The webs of a trough vault are those of a barrel, its heads are not."""
+    trough = Trough(4.0, 6.0)
+    sample = trough.sample(8_000, np.random.default_rng(3))
+    none = np.zeros(2)
+    site = Site(
+        sample.xyz, sample.normals, np.ones(8_000), 0.0, none, none, none > 0, -2.0, 2.0, 0.05, none, np.ones(8_000)
+    )
+    right, wrong = (
+        FITS.with_stone_beside(Placed(vault, Pose(0, 0, 0, 0)), site) for vault in (trough, Barrel(4.0, 6.0))
+    )
+    assert right == FITS
+    assert wrong.chance > 0.5
+    assert wrong.certain == 0.0  # it may be the vault, with something else under it
+    assert "% of the stone over its plan is more than 15 cm off it" in wrong.reason
 
 
 def test_a_small_vault_is_refused_where_a_large_one_is_doubted() -> None:
