@@ -175,9 +175,10 @@ class _Search:
             site = _without(site, ribs)
             hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
             refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
-        found = Found(site, hypotheses, refined, refined.tolerance, misfit=Misfit.of(refined))
+        misfit = Misfit.of(refined).with_stone_beside(refined.placed, site)
+        found = Found(site, hypotheses, refined, refined.tolerance, misfit=misfit)
         check(refined, site, found.tolerance)
-        refuse_strangers(found.misfit, found.placed.vault.title)
+        refuse_strangers(found.misfit, found.placed.vault)
         return found
 
     def _settled(self, one: Found, region: Region) -> bool:
