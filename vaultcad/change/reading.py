@@ -26,8 +26,8 @@ from vaultcad.find.practice import beforehand
 from vaultcad.find.refine import WIDEST, Refined
 from vaultcad.fit.freedom import Demands, Freedom
 from vaultcad.fit.settlement import Partition
-from vaultcad.fit.solve import POSE, Placed, Solution
-from vaultcad.fit.uncertainty import slopes_of_distances
+from vaultcad.fit.solve import Placed, Solution
+from vaultcad.fit.uncertainty import loosened
 
 Array = NDArray[np.float64]
 
@@ -200,18 +200,18 @@ def _ways(stone: _Stone, choices: Sequence[Choice], demands: Demands) -> list[_W
     refined = stone.refined
     if not choices:
         free = demands.freedom(refined.placed.vault)
-        return [(1.0, *_way(stone, _at_rest(refined, refined.placed, (*POSE, *free.names), free)))]
+        return [(1.0, *_way(stone, _at_rest(refined, refined.placed, free)))]
     found = []
     for choice in choices[:MOST_WAYS]:
         if choice.chance >= LIKELY or choice is choices[0]:
             free = demands.freedom(choice.placed.vault, choice.kept)
-            found.append((choice.chance, *_way(stone, _at_rest(refined, choice.placed, (*POSE, *free.names), free))))
+            found.append((choice.chance, *_way(stone, _at_rest(refined, choice.placed, free))))
     return found
 
 
-def _at_rest(refined: Refined, placed: Placed, names: tuple[str, ...], free: Freedom) -> Solution:
-    whole = replace(refined.solution, placed=placed, names=names, free=free, residuals=placed.distance(refined.points))
-    return replace(whole, jacobian=slopes_of_distances(whole, refined.points))
+def _at_rest(refined: Refined, placed: Placed, free: Freedom) -> Solution:
+    there = replace(refined.solution, placed=placed, residuals=placed.distance(refined.points))
+    return loosened(there, free, refined.points)
 
 
 def _way(stone: _Stone, solution: Solution) -> tuple[Array, tuple[Array, Array, Array]]:
