@@ -112,8 +112,8 @@ def recognise(
         steps = [STEPS if cost <= enough else 0 for cost in costs]  # what was fitted to alike stone is near its best
         fitted = [judge.of(p, start.kept, n) for p, start, n in zip(simple, known, steps, strict=True)]
         # Where one is far ahead its constraints decide nothing here, and it is fitted under those that are known.
-        best, close = judge.best_variant if _rivals(fitted) else judge.best_profiles, _close(fitted)
-        fitted = [best(h) if h.score < close else h for h in fitted]
+        better, close = judge.best_variant if _rivals(fitted) else judge.best_profiles, _close(fitted)
+        fitted = [better(h) if h.score < close else h for h in fitted]
     else:
         costs = [telling.cost(placed, scale) for placed in simple]
         enough = HOPELESS * _least(simple, costs)
