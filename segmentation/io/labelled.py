@@ -101,10 +101,14 @@ def _stream(scan: Path, path: Path, cloud: Cloud, extra: Mapping[str, NDArray[An
 
 def _common_front(one: np.dtype[Any], other: np.dtype[Any], names: list[str]) -> int:
     """How many bytes of two kinds of records are these fields, at the front of both and in one order; 0 if not so."""
-    places = [(one.fields or {})[name][:2] for name in names]
+    places, there = ([(kind[name], _offset(kind, name)) for name in names] for kind in (one, other))
     size = sum(kind.itemsize for kind, _ in places)
-    alike = places == [(other.fields or {})[name][:2] for name in names]
-    return size if alike and max((at + kind.itemsize for kind, at in places), default=0) == size else 0
+    return size if places == there and max((at + kind.itemsize for kind, at in places), default=0) == size else 0
+
+
+def _offset(records: np.dtype[Any], name: str) -> int:
+    """How many bytes before a field."""
+    return records.fields[name][1] if records.fields else 0
 
 
 def _bytes(records: NDArray[Any]) -> NDArray[np.uint8]:
