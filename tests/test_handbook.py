@@ -11,7 +11,7 @@ import pytest
 from families import FAMILIES, ideal
 from families.drawing.section import outlines
 from families.drawing.svg import NAMESPACE
-from tools.handbook.pages import PAGE, PICTURES, README, pages, pictures, table
+from tools.handbook.pages import DRAWN, PAGE, PICTURES, README, pages, table
 from tools.sections import replaced
 
 DOCUMENTS = [README, *sorted(PAGE.parent.glob("*.md"))]
@@ -24,7 +24,7 @@ def test_what_is_said_of_the_families_is_what_they_declare():
         assert path.read_text(encoding="utf-8") == text, f"{path.name} is old: make handbook"
 
 
-@pytest.mark.parametrize("path", pictures(), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", DRAWN, ids=lambda path: path.stem)
 def test_a_picture_is_small_and_names_the_components(path):
     assert path.stat().st_size < 30_000
     tree = ET.parse(path)
@@ -34,7 +34,7 @@ def test_a_picture_is_small_and_names_the_components(path):
 
 
 def test_no_picture_is_left_of_a_family_that_is_gone():
-    assert set(PICTURES.iterdir()) == set(pictures())
+    assert set(PICTURES.iterdir()) == set(DRAWN)
 
 
 def drawn(vault):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from inspect import getdoc
 from pathlib import Path
 
@@ -20,6 +21,11 @@ ROOT = Path(__file__).parents[2]
 PAGE, PICTURES, README = ROOT / "docs" / "families.md", ROOT / "docs" / "img", ROOT / "README.md"
 SIDE = 360.0  # of a picture, the longer one, in pixels
 THICKNESS = 0.15  # [m] of the masonry in plan
+DRAWN = {  # each picture, not yet drawn
+    PICTURES / f"{cls.id}-{what}.svg": partial(draw, cls())
+    for cls in FAMILIES
+    for what, draw in (("plan", partial(ideal_plan, thickness=THICKNESS)), ("view", view))
+}
 LAST = "## Add a family in ten minutes"  # the section before which a new family comes
 
 
@@ -34,12 +40,8 @@ def pages() -> dict[Path, str]:
 
 def pictures() -> dict[Path, str]:
     """Plan and view of each family, as SVG."""
-    drawn = (
-        (PICTURES / f"{cls.id}-{what}.svg", drawing)
-        for cls in FAMILIES
-        for what, drawing in (("plan", ideal_plan(cls(), THICKNESS)), ("view", view(cls())))
-    )
-    return {path: document(drawing, SIDE / max(drawing.size)) for path, drawing in drawn}
+    drawings = {path: draw() for path, draw in DRAWN.items()}
+    return {path: document(drawing, SIDE / max(drawing.size)) for path, drawing in drawings.items()}
 
 
 def overview() -> str:

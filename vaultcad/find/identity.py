@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from families import Elliptical, Stilted, Vault
+import numpy as np
+from numpy.typing import NDArray
 
+from families import Elliptical, Stilted, Vault
+from vaultcad.fit.solve import Placed
+
+SHOWN = 0.005  # share of the stone near a vault that its components but one must have together
 STEEP = 0.9  # rise / span above which nobody draws an ellipse or stilts an arch: the rest of it is wall
 
 
@@ -11,3 +16,16 @@ def is_its_family(vault: Vault) -> bool:
     """Whether a vault has what makes its family, and arches such as are built."""
     arches = [arch for arch in vault.profiles.values() if isinstance(arch, Elliptical | Stilted)]
     return all(arch.rise_ratio <= STEEP for arch in arches) and vault.itself
+
+
+def shows_its_family(placed: Placed, points: NDArray[np.float64], near: float) -> bool:
+    """Whether the stone (n, 3) [m] within `near` [m] of a vault lies on several of its components, if it has several.
+
+    A barrel with lunettes of which not one is seen is a barrel, whatever its lunettes may be.
+    """
+    if not is_its_family(placed.vault) or len(placed.vault.components) == 1:
+        return is_its_family(placed.vault)
+    frame = placed.pose.frame()
+    here = placed.vault.evaluate(points @ frame[:, :3].T + frame[:, 3])
+    counts = np.bincount(here.component[(here.component > 0) & (np.abs(here.distance) < near)], minlength=1)
+    return bool(counts.max() <= (1 - SHOWN) * counts.sum())

@@ -16,7 +16,7 @@ from families.declaration.corners import Skew
 from families.declaration.profiles import as_kind
 from vaultcad.errors import NoVaultError
 from vaultcad.find.first_guesses import starts
-from vaultcad.find.identity import is_its_family
+from vaultcad.find.identity import is_its_family, shows_its_family
 from vaultcad.fit.evidence import INDEPENDENT, Evidence
 from vaultcad.fit.freedom import NONE, RECTANGLE, Demands, Freedom
 from vaultcad.fit.solve import Placed, Solution
@@ -37,6 +37,7 @@ MISSED = 0.01
 of 164 virtual rooms (seeds 5000 to 5069 and 5100 to 5197, 23 November 2026) was about the likeliest; on others it is
 checked by `python -m bench rooms`."""
 HOPELESS = 2.5  # a family whose cost is this much above the best one's is not refined
+ARCHED = 6.0  # nor tried with other kinds of arches: a wide loss tells them badly, and the wrong kind costs so much
 RIVAL = 15.0  # on the score: families as close as that are begun again from arches of each kind, if they have several
 WIDER = 0.03  # m, least scale of the loss that then tells them apart
 
@@ -46,6 +47,7 @@ class Hypothesis:
     """One family fitted to the site. kept: the constraints that it was fitted under.
 
     score: the lower the better; differences are twice those of a log likelihood; infinite without a size that is fixed.
+    own: whether the scan shows what makes its family.
     """
 
     solution: Solution
@@ -53,6 +55,7 @@ class Hypothesis:
     kept: tuple[Constraint, ...]
     cost: float
     score: float
+    own: bool
 
     @property
     def vault(self) -> Vault:
@@ -116,8 +119,8 @@ def recognise(
         fitted = [better(h) if h.score < close else h for h in fitted]
     else:
         costs = [telling.cost(placed, scale) for placed in simple]
-        enough = HOPELESS * _least(simple, costs)
-        fitted = [judge.within(placed, inf if c <= enough else 0.0) for placed, c in zip(simple, costs, strict=True)]
+        least = _least(simple, costs)
+        fitted = [judge.as_far(placed, c / least, HOPELESS * least) for placed, c in zip(simple, costs, strict=True)]
         nearest = min((h.cost for h in fitted), default=inf)
         fitted += [judge.within(placed, nearest) for placed in supple]
     rivals = [] if known else _rivals(fitted)  # where a site looks like this one, the arches are those that it has
@@ -133,7 +136,7 @@ def recognise(
             + [f"{name} = {kind.id}" for name, kind in demands.arches.items()]
         )
         raise NoVaultError(f"no vault found: none that fits the scan can have {asked}")
-    proper = [h for h in met if is_its_family(h.vault)] or met
+    proper = [h for h in met if h.own] or met
     best = {h.vault.id: h for h in sorted(proper, key=lambda h: -h.score)}
     return tuple(sorted(best.values(), key=lambda h: h.score))
 
@@ -243,16 +246,27 @@ class _Judge:
         integers = sum(p.integer for p in placed.vault.parameters())
         likelihood = INDEPENDENT * log(cost + (FLOOR / self.scale) ** 2)
         score = likelihood + (len(free.names) + integers) * log(INDEPENDENT)
+        own = shows_its_family(solution.placed, self.evidence.points, self.scale)
         if not self.demands.met(solution.placed.vault):
             score = inf
-        elif not is_its_family(solution.placed.vault):
+        elif not own:
             score += FOREIGN
-        return Hypothesis(solution, free, tuple(kept), cost, score)
+        return Hypothesis(solution, free, tuple(kept), cost, score, own)
 
     def within(self, placed: Placed, most: float) -> Hypothesis:
         """The best variant of what costs less than that, else what it is."""
         one = self.of(placed)
         return self.best_variant(one) if one.cost < most else one
+
+    def as_far(self, placed: Placed, excess: float, most: float) -> Hypothesis:
+        """The best variant, if the cost with the best kinds of arches is less than `most`.
+
+        excess: its cost as it stands over that of the best family.
+        """
+        one = self.of(placed)
+        if HOPELESS < excess < ARCHED:
+            one = self.best_profiles(one)
+        return self.best_variant(one) if excess <= HOPELESS or one.cost < most else one
 
     def best_variant(self, begun: Hypothesis) -> Hypothesis:
         """The fit with the most likely kind of profile in each place, and with the constraints that cost little."""

@@ -60,7 +60,7 @@ def site(pose: Pose, quarter: int) -> Site:
 
 def hypothesis(vault: Vault, pose: Pose, score: float) -> Hypothesis:
     solution = Solution(Placed(vault, pose), (), NOWHERE, NOTHING, NOTHING, True, Freedom(()))
-    return Hypothesis(solution, Freedom(()), (), 0.0, score)
+    return Hypothesis(solution, Freedom(()), (), 0.0, score, own=True)
 
 
 def found(vault: Vault, pose: Pose, over: Site, *others: tuple[Vault, float]) -> Found:
