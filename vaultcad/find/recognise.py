@@ -114,9 +114,8 @@ def recognise(
         enough = HOPELESS * _least(simple, costs)
         steps = [STEPS if cost <= enough else 0 for cost in costs]  # what was fitted to alike stone is near its best
         fitted = [judge.of(p, start.kept, n) for p, start, n in zip(simple, known, steps, strict=True)]
-        # Where one is far ahead its constraints decide nothing here, and it is fitted under those that are known.
-        better, close = judge.best_variant if _rivals(fitted) else judge.best_profiles, _close(fitted)
-        fitted = [better(h) if h.score < close else h for h in fitted]
+        close = min(h.score for h in fitted) + RIVAL
+        fitted = [judge.best_variant(h) if h.score < close else h for h in fitted]
     else:
         costs = [telling.cost(placed, scale) for placed in simple]
         least = _least(simple, costs)
@@ -160,14 +159,10 @@ def _least(rough: Sequence[Placed], costs: Sequence[float]) -> float:
     return min(own or costs, default=inf)
 
 
-def _close(fitted: Sequence[Hypothesis]) -> float:
-    """The score below which a better fit of one may decide."""
-    return min(h.score for h in fitted) + RIVAL
-
-
 def _rivals(fitted: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """Those that are so close; none if one is far ahead."""
-    close = [h for h in fitted if h.score < _close(fitted)]
+    """Those that are so close that a better fit of one may decide; none if one is far ahead."""
+    best = min(h.score for h in fitted)
+    close = [h for h in fitted if h.score < best + RIVAL]
     return close if len(close) > 1 else []
 
 
