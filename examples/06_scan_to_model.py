@@ -18,6 +18,7 @@ from vaultcad.fit.label import label
 from vaultcad.measure.as_built import displacement
 from vaultcad.measure.deviation import summarise
 from vaultcad.measure.routes import as_built_distance
+from vaultcad.mechanisms import Body
 from vaultcad.survey.thinned_scan import survey
 
 ROOM = Path(__file__).with_name("room.laz")
@@ -52,7 +53,7 @@ def main(out: Path, scan: Path = ROOM) -> None:
     local = cloud.xyz[on] @ frame[:, :3].T + frame[:, 3]
     normal, distance = vault.evaluate(local).normal, labels.deviation[on].astype(np.float64)
     foot = local - distance[:, None] * normal
-    surface = displacement(foot[::10], normal[::10], distance[::10])
+    surface = displacement(foot[::10], normal[::10], distance[::10], Body.of(vault))
     rest = summarise(as_built_distance(vault, surface, local))
     print(f"as built: rms {1000 * rest.rms:.1f} mm")
 

@@ -15,9 +15,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.change.mechanisms import LARGE
 from vaultcad.find.likelihood import DOUBT
 from vaultcad.fit.settlement import LENGTHS, PRIOR, ROUGHNESSES, STRENGTHS
+from vaultcad.mechanisms import LARGE
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
-from vaultcad.change.mechanisms import Body
 from vaultcad.change.motion import Places
 from vaultcad.deformation import Movement
+from vaultcad.mechanisms import Body
 
 Array = NDArray[np.float64]
 Term = tuple[Array, Array]  # a place (3,) [m] and a way (3,), times its weight

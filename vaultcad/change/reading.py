@@ -9,35 +9,26 @@ model as it is. "as built" takes the smooth surface through the stone, from whic
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.change.mechanisms import MECHANISMS, PARTS, Body, shapes
 from vaultcad.change.motion import Trend, Waves, estimated, honest, likelihoods, mixed
-from vaultcad.change.places import Sights, movement_of, places, readings
-from vaultcad.change.strays import without_strays
+from vaultcad.change.places import movement_of, places, readings
+from vaultcad.change.stone import Known, Stone
 from vaultcad.deformation import Against, Deformation, Resemblance
 from vaultcad.find.choices import Choice
-from vaultcad.find.likelihood import DOUBT, ENOUGH, near_edges, secants
-from vaultcad.find.practice import beforehand
-from vaultcad.find.refine import WIDEST, Refined
+from vaultcad.find.likelihood import DOUBT
+from vaultcad.find.refine import Refined
 from vaultcad.fit.freedom import Demands, Freedom
-from vaultcad.fit.settlement import Partition
 from vaultcad.fit.solve import Placed, Solution
 from vaultcad.fit.uncertainty import loosened
+from vaultcad.mechanisms import MECHANISMS, PARTS, shapes
 
 Array = NDArray[np.float64]
 
-FARTHEST = 0.06  # m off the model; a block farther off is no stone of this vault
-ROUNDED = 0.1  # m from an edge, where stone is rounded and plastered
-BLOCKS = 400  # of stone at the most
-OUTLYING, LEAST = 5.0, 0.0008  # robust scatters of what the shapes leave of blocks, beyond which one is none; least [m]
-STRANGE = (
-    0.05  # share of the vault's stone, of which that many blocks are none, from which on the vault is not quite this
-)
 HINTS = (
     "How webs such as these moved cannot be told from one scan: the figures are hints, their limits may be too narrow."
 )
@@ -50,84 +41,6 @@ CAUTION = (
     "A settlement of all supports alike, walls that moved bodily, and motion along the surface cannot be seen.",
     "When it moved, and whether it still moves, only a second scan tells.",
 )
-
-
-@dataclass(frozen=True)
-class _Stone:
-    """Blocks of stone about a vault: deviations (m,) [m] from the fitted one, where they are, and its shapes there.
-
-    strange: share (0 to 1) of the vault's stone that was left out, as nothing explains it; astray: by how much it is
-    off what does, root mean square [m].
-    """
-
-    refined: Refined
-    blocks: Partition
-    usable: NDArray[np.bool_]
-    body: Body
-    strange: float = 0.0
-    astray: float = 0.0
-
-    @classmethod
-    def of(cls, refined: Refined) -> _Stone | None:
-        """Of the points that a fit rests on; None if they are too few."""
-        placed, evidence = refined.placed, refined.evidence
-        residuals = placed.distance(evidence.points)
-        weights = evidence.weights / (1 + (residuals / WIDEST) ** 2) ** 2
-        blocks = Partition.of(placed, evidence.points, weights * ~near_edges(placed, evidence.points, ROUNDED), BLOCKS)
-        blocks = without_strays(blocks, residuals)
-        mean = blocks.means(residuals[:, None])[:, 0]
-        usable = (blocks.weight > 0) & (np.abs(mean) < FARTHEST)
-        if usable.sum() < ENOUGH:
-            return None
-        vault = placed.vault
-        depth = max(float(-blocks.place[usable, 2].min()), 0.1)
-        body = Body(vault.plan.half, max(vault.top, 0.1), depth)
-        return cls(refined, blocks, usable, body)
-
-    def cleaned(self) -> _Stone:
-        """Without blocks that no shape of a mechanism and no other size of the vault explains: furniture, frames."""
-        solution = self.refined.loose
-        rest, known = _way(self, solution)
-        fields, parts, _ = shapes(self.place, self.body)
-        slopes = np.einsum("mkc,mc->mk", fields, self.normal)
-        none = np.empty((0, slopes.shape[1]))
-        whole = Trend.of_shapes(slopes, none, parts).beside(*known)
-        left = rest
-        for _ in range(3):
-            near = np.abs(left) < OUTLYING * max(LEAST, 1.4826 * float(np.median(np.abs(left))))
-            left = rest - whole.slopes @ whole.likeliest(rest, near)
-        usable = self.usable.copy()
-        usable[np.flatnonzero(usable)[~near]] = False
-        weight = np.where(self.place[:, 2] > 0, self.blocks.weight[self.usable], 0.0)  # walls have doors and cupboards
-        off = weight * ~near
-        astray = float(np.sqrt(off @ left**2 / max(float(off.sum()), 1e-12)))
-        return replace(self, usable=usable, strange=float(off.sum() / max(float(weight.sum()), 1e-12)), astray=astray)
-
-    @property
-    def misfit(self) -> float:
-        """Standard deviation of all figures [m], as the vault is not quite of this family, or was built otherwise.
-
-        Stone is left out where furniture and frames hide it. Where much of the vault is, it is the vault that is wrong.
-        """
-        return self.astray if self.strange > STRANGE else 0.0
-
-    @property
-    def place(self) -> Array:
-        return self.blocks.place[self.usable]
-
-    @property
-    def normal(self) -> Array:
-        return self.blocks.normal[self.usable]
-
-    def means(self, values: Array) -> Array:
-        """Over the usable blocks, of values (n, k) of the points."""
-        return self.blocks.means(values)[self.usable]
-
-    @property
-    def walls(self) -> Sights:
-        """Blocks of walls."""
-        low = self.place[:, 2] < -0.05
-        return Sights(self.place[low], self.normal[low])
 
 
 def read_deformation(
@@ -147,16 +60,15 @@ def read_deformation(
         surface: displacements (n, 3) [m] of points (n, 3) in the vault's frame, that carry the model onto the stone.
         registration: standard deviation of the registration of the scan's stations [m], where there are several.
     """
-    stone = _Stone.of(refined)
+    stone = Stone.of(refined)
     if stone is None:
         return None
     stone = stone.cleaned()
     vault, yaw = refined.placed.vault, refined.placed.pose.yaw
     wanted = readings(vault, stone.body, stone.walls)
     at = places(wanted)
-    shown = shapes(stone.place, stone.body)
-    there, parts = shapes(at.place, stone.body).fields, shown.part
-    seen, figures = np.einsum("mkc,mc->mk", shown.fields, stone.normal), at.sums(np.einsum("pkc,pc->pk", there, at.way))
+    seen, parts = stone.slopes, stone.parts
+    figures = at.sums(np.einsum("pkc,pc->pk", shapes(at.place, stone.body).fields, at.way))
     trend = Trend.of_shapes(seen, figures, parts)
     waves = Waves.of(stone.place, stone.normal, at, vault.plan.width)
     deviation = stone.means(refined.placed.distance(refined.points)[:, None])[:, 0]
@@ -170,7 +82,7 @@ def read_deformation(
     ways = _ways(stone, choices, demands)
     fadings = [
         (odds, Trend.of_shapes(seen[:, mine], figures[:, mine], parts[mine]))
-        for odds, mine in _likely_fadings(ways[0], trend, shown.alternatives(), waves)
+        for odds, mine in _likely_fadings(ways[0], trend, stone.fadings, waves)
     ]
     fitted = [(odds, estimated(deviation, fading, waves)) for odds, fading in fadings]
     built = [
@@ -191,32 +103,27 @@ def read_deformation(
     return Deformation(tuple(against), resembles, _verdict(against[0], resembles), _caution(stone, choices))
 
 
-_Way = tuple[float, Array, tuple[Array, Array, Array]]
+_Way = tuple[float, Array, Known]
 """Chance of a way of building, deviations (m,) from it as it fits best, and what is known of its unknowns."""
 
 
-def _ways(stone: _Stone, choices: Sequence[Choice], demands: Demands) -> list[_Way]:
+def _ways(stone: Stone, choices: Sequence[Choice], demands: Demands) -> list[_Way]:
     """The likely ways in which the vault may have been built."""
     refined = stone.refined
     if not choices:
         free = demands.freedom(refined.placed.vault)
-        return [(1.0, *_way(stone, _at_rest(refined, refined.placed, free)))]
+        return [(1.0, *stone.against(_at_rest(refined, refined.placed, free)))]
     found = []
     for choice in choices[:MOST_WAYS]:
         if choice.chance >= LIKELY or choice is choices[0]:
             free = demands.freedom(choice.placed.vault, choice.kept)
-            found.append((choice.chance, *_way(stone, _at_rest(refined, choice.placed, free))))
+            found.append((choice.chance, *stone.against(_at_rest(refined, choice.placed, free))))
     return found
 
 
 def _at_rest(refined: Refined, placed: Placed, free: Freedom) -> Solution:
     there = replace(refined.solution, placed=placed, residuals=placed.distance(refined.points))
     return loosened(there, free, refined.points)
-
-
-def _way(stone: _Stone, solution: Solution) -> tuple[Array, tuple[Array, Array, Array]]:
-    residual = stone.means(solution.residuals[:, None])[:, 0]
-    return residual, (stone.means(secants(solution, stone.refined.points)), *beforehand(solution))
 
 
 def _odds(way: _Way, trend: Trend, shown: Sequence[NDArray[np.bool_]], waves: Waves) -> list[float]:
@@ -270,7 +177,7 @@ def _built_words(choices: Sequence[Choice]) -> str:
     return f"the vault before it moved, springing level, walls plumb from their foot{arches}; all weighed by their odds"
 
 
-def _caution(stone: _Stone, choices: Sequence[Choice]) -> tuple[str, ...]:
+def _caution(stone: Stone, choices: Sequence[Choice]) -> tuple[str, ...]:
     """What a reading cannot tell, and what is doubtful about this one."""
     doubts = []
     if not choices:

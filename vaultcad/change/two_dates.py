@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.change.m3c2 import SURE, Distances, Sheet, m3c2
-from vaultcad.change.mechanisms import Body
 from vaultcad.change.places import Reading, Sights, movement_of, readings
 from vaultcad.change.registration import Registration, registered_on
 from vaultcad.deformation import Movement
 from vaultcad.errors import VaultcadError
+from vaultcad.mechanisms import Body
 from vaultcad.model import FittedVault, Model
 from vaultcad.pose import Pose
 
@@ -168,9 +168,7 @@ def _of_vault(
     rows = registration.rows(place, way)
     common = np.einsum("mi,ij,mj->m", rows, registration.covariance, rows) + registration.left_at(place) ** 2
     distances = m3c2(cores, sheets[0], sheets[1], _radius(sheets, len(cores)), common)
-    wanted = readings(
-        fitted.vault, Body(fitted.vault.plan.half, max(fitted.vault.top, 0.1), WALLS), _seen(cores, normal)
-    )
+    wanted = readings(fitted.vault, Body.of(fitted.vault, WALLS), _seen(cores, normal))
     told = (_movement(one, cores, normal, place, distances, rows, registration, fitted.pose.yaw) for one in wanted)
     cells = _cells(cores, component, normal, distances, common)
     return VaultChange(

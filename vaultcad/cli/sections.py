@@ -37,7 +37,8 @@ def sections(
         ),
     ] = None,
     every: Annotated[
-        float | None, number_info("every", Bounds(0.05, 50, "m", "between planes across each vault, likewise"))
+        float | None,
+        number_info("every", Bounds(0.05, 50, "m", "between planes across each vault along its axis, likewise")),
     ] = None,
     slab: Annotated[
         float, number_info("slab", Bounds(0.002, 0.5, "m", "to either side of a plane from which points are taken"))

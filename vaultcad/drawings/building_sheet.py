@@ -32,8 +32,8 @@ def building_sheets(model: Model, wish: Wish) -> Iterator[Sheet]:
 
         def views(
             scale: int, storey: int = storey, vaults: tuple[int, ...] = vaults, title: str = title
-        ) -> Sequence[View]:
-            return [view_of(title, [*_marks(model, building, storey, vaults, scale / 1000.0)])]
+        ) -> tuple[Sequence[View], Sequence[View]]:
+            return [], [view_of(title, [*_marks(model, building, storey, vaults, scale / 1000.0)])]
 
         yield lay_out(name, title, views, fields, wish, 0.0)
 

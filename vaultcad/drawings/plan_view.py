@@ -74,25 +74,25 @@ def contours(vault: Vault, up: float, mm: float) -> Iterator[Mark]:
     lines = contourpy.contour_generator(x, y, z, name="serial")
     for n in range(ceil((up + 1e-6) / every), floor((up + rise - 1e-6) / every) + 1):
         level = n * every
-        parts = [part for line in lines.lines(level - up) for part in _inside(line, within)]
+        parts = [part for line in lines.lines(level - up) for part in inside(line, within)]
         for part in parts:
             yield Path("CONTOURS", part)
-        longest = max(parts, default=np.zeros((2, 2)), key=lambda part: float(_lengths(part).max()))
-        k = int(_lengths(longest).argmax())
-        if _lengths(longest)[k] > ROOM * mm:
+        longest = max(parts, default=np.zeros((2, 2)), key=lambda part: float(lengths(part).max()))
+        k = int(lengths(longest).argmax())
+        if lengths(longest)[k] > ROOM * mm:
             (x0, y0), (x1, y1) = longest[k].tolist(), longest[k + 1].tolist()
             turn = float(np.arctan2(y1 - y0, x1 - x0))
             upright = turn - np.pi * round(turn / np.pi)
             yield Word("CONTOURS", ((x0 + x1) / 2, (y0 + y1) / 2), f"{level:.2f}", 1.6, angle=upright)
 
 
-def _lengths(row: Floats) -> Floats:
-    """Of the stretches between points (n, 2)."""
+def lengths(row: Floats) -> Floats:
+    """Of the stretches between points (n, 2) of a line, (n - 1,)."""
     found: Floats = np.hypot(*np.diff(row, axis=0).T)
     return found
 
 
-def _inside(line: object, within: object) -> Iterator[Floats]:
+def inside(line: object, within: object) -> Iterator[Floats]:
     """The parts (n, 2) of a line that are within a polygon, with no more points than it needs."""
     import shapely
 

@@ -63,7 +63,7 @@ class Wish:
 def lay_out(
     name: str,
     title: str,
-    views: Callable[[int], Sequence[View]],
+    views: Callable[[int], tuple[Sequence[View], Sequence[View]]],
     fields: Sequence[tuple[str, str]],
     wish: Wish,
     north: float | None = None,
@@ -71,7 +71,8 @@ def lay_out(
 ) -> Sheet:
     """Views in rows from above, as large as a paper lets them be; the title block stands in the lower right corner.
 
-    views: by the scale, as dimensions are as far off on any paper; the last is the plan, which begins the second row.
+    views: by the scale, as dimensions are as far off on any paper: sections, then the plan and what stands beside it,
+    which begin the second row.
     Without a wish the paper is A3 and the scale the largest usual one that fits, or else a larger paper is taken; and
     so it is, up to A1, before the scale is smaller than one to `coarsest`.
 
@@ -83,7 +84,7 @@ def lay_out(
     drawn = cache(views)
     whole = [(paper, scale) for paper in papers for scale in scales]
     for paper, scale in sorted(whole, key=lambda one: one[1] > coarsest or one[0] == "A0"):
-        for rows in _rows(drawn(scale)):
+        for rows in _rows(*drawn(scale)):
             placed = tuple(_stood(rows, scale, PAPERS[paper]))
             if _fits(placed, scale, PAPERS[paper]):
                 return Sheet(name, title, PAPERS[paper], scale, placed, tuple(fields), north)
@@ -91,12 +92,12 @@ def lay_out(
     raise DrawingError(f"{title}: does not fit on {tried}; ask for a smaller scale, or a larger paper")
 
 
-def _rows(views: Sequence[View]) -> Iterator[list[list[View]]]:
+def _rows(sections: Sequence[View], plan: Sequence[View]) -> Iterator[list[list[View]]]:
     """Ways to put views into rows, those with the longest rows first; the plan stands under the first section."""
-    *sections, plan = views
-    for long in range(max(len(sections), 1), 0, -1):
-        order = [*sections[:long], plan, *sections[long:]]
-        yield [order[k : k + long] for k in range(0, len(order), long)]
+    for long in range(max(len(sections), len(plan)), 0, -1):
+        order = [*sections[:long], *plan, *sections[long:]]
+        rows = [order[k : k + long] for k in range(0, len(order), long)]
+        yield rows if len(sections) >= long else [[*row] for row in (sections, plan) if row]
 
 
 def _stood(rows: Sequence[Sequence[View]], scale: int, paper: tuple[float, float]) -> Iterator[PlacedView]:

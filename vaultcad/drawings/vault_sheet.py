@@ -1,4 +1,4 @@
-"""The sheet of one vault: sections above, plan below, what is known of it in the title block."""
+"""The sheet of one vault: sections above, plan and unrolled intrados below, what is known of it in the title block."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from vaultcad.drawings.marks import View
 from vaultcad.drawings.plan_view import plan_view
 from vaultcad.drawings.section_view import Cut, section_view
 from vaultcad.drawings.sheet import Sheet, Wish, lay_out
+from vaultcad.drawings.unrolled_view import unrolled_view
 from vaultcad.model import Assembly, FittedVault, PlacedVault
 from vaultcad.sections.cut import displaced
 from vaultcad.sections.guide import guides
@@ -38,9 +39,11 @@ def vault_sheet(model: Assembly, number: int, wish: Wish, sections: Sequence[Sec
     """
     placed = model.vaults[number - 1]
     cuts = tuple(cuts_of(placed, [one for one in sections if one.vault == number]))
+    laid = unrolled_view(placed) if isinstance(placed, FittedVault) else None
 
-    def views(scale: int) -> Sequence[View]:
-        return [*(section_view(model, placed, one, scale) for one in cuts), plan_view(model, placed, cuts, scale)]
+    def views(scale: int) -> tuple[Sequence[View], Sequence[View]]:
+        plan = [plan_view(model, placed, cuts, scale), *(() if laid is None else (laid,))]
+        return [section_view(model, placed, one, scale) for one in cuts], plan
 
     title = f"Vault {number}: {placed.vault.title}"
     fields = (*_fields(model, placed), *scan_fields(model))

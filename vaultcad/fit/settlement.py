@@ -54,12 +54,20 @@ class Partition:
     normal: Array
 
     @classmethod
-    def of(cls, placed: Placed, points: Array, weights: Array, most: int = MOST_BLOCKS) -> Partition:
-        """Of points (n, 3) [m] with weights (n,) beside a vault, in so many blocks at most."""
+    def of(
+        cls, placed: Placed, points: Array, weights: Array, most: int = MOST_BLOCKS, layers: float = 1.0
+    ) -> Partition:
+        """Of points (n, 3) [m] with weights (n,) beside a vault, in so many blocks at most.
+
+        layers: how many times as long and wide as high blocks of walls are.
+        """
         frame = placed.pose.frame()
         local = points @ frame[:, :3].T + frame[:, 3]
         surface = placed.vault.evaluate(local, walls=True)
-        block = _blocks(local, faces(surface), most)
+        face = faces(surface)
+        cut = local.copy()
+        cut[surface.component == 0, 2] *= layers
+        block = _blocks(cut, face, most)
         empty = np.empty((0, 3))
         places = cls(block, weights, empty, empty)
         return cls(block, weights, places.means(local), places.means(surface.normal))

@@ -5,7 +5,7 @@ It is the same for all components, so that edges they share stay shared.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +16,9 @@ from families import Vault
 from vaultcad.cubic_grid import add_to_bands, basis
 from vaultcad.displacement import RESOLUTION, Displacement
 from vaultcad.measure.chessboard import on_black
+from vaultcad.measure.giving import giving
 from vaultcad.measure.routes import as_built_distance
+from vaultcad.mechanisms import Body
 
 Array = NDArray[np.float64]
 
@@ -59,16 +61,18 @@ def as_built(
     if near.sum() < FEWEST or len(white) < FEWEST:
         return None
     distances, normals = here.distance[near], here.normal[near]
-    surface = displacement(thinned[black[near]] - distances[:, None] * normals, normals, distances)
+    foot = thinned[black[near]] - distances[:, None] * normals
+    surface = displacement(foot, normals, distances, Body.of(vault))
     if surface.may_fold:
         return None
     return AsBuilt(surface, white, as_built_distance(vault, surface, points[white]))
 
 
-def displacement(points: Array, normals: Array, distances: Array) -> Displacement:
+def displacement(points: Array, normals: Array, distances: Array, body: Body) -> Displacement:
     """The field u with n·u(p) = d at points p (n, 3) on the ideal vault, their normals, and distances (n,) there [m].
 
-    Penalised least squares (P-splines, Eilers and Marx 1996): where the scan says nothing the field runs on straight.
+    Penalised least squares (P-splines, Eilers and Marx 1996) of what the abutments of a vault of these sizes do not
+    tell (`giving`): where the scan says nothing the field goes back to that.
     How smooth it is, points that are withheld choose; those that are clutter do not count.
 
     Raises:
@@ -77,17 +81,19 @@ def displacement(points: Array, normals: Array, distances: Array) -> Displacemen
     if len(points) == 0:
         raise ValueError("no points to take a displacement from")
     grid = _Grid.over(points)
-    rows = grid.rows(points, normals, distances)
+    whole = grid.taken(giving(points, normals, distances, body))
+    told = np.einsum("nc,nc->n", Displacement(grid.low, grid.step, whole)(points), normals)
+    rows = grid.rows(points, normals, distances - told)
     chosen = np.arange(len(points)) % WITHHELD == 0 if len(points) > WITHHELD else np.zeros(len(points), bool)
-    told = grid.equations(rows, np.where(chosen, 0.0, 1.0))
-    trials = [rows.off(grid.solved(told, roughness)) for roughness in ROUGHNESS]
+    shown = grid.equations(rows, np.where(chosen, 0.0, 1.0))
+    trials = [rows.off(grid.solved(shown, roughness)) for roughness in ROUGHNESS]
     errors = [float(np.median(np.abs(off[chosen]))) if chosen.any() else 0.0 for off in trials]
     which = next(k for k, error in enumerate(errors) if error * BETTER <= min(errors))
     off = trials[which]
     scatter = 1.4826 * float(np.median(np.abs(off))) + RESOLUTION
     weights = np.square(np.maximum(1 - np.square(off / (CLUTTER * scatter)), 0.0))
     found = grid.solved(grid.equations(rows, weights), ROUGHNESS[which])
-    return grid.field(found)
+    return grid.field(found, whole)
 
 
 @dataclass(frozen=True)
@@ -202,8 +208,17 @@ class _Grid:
                 found.append((k * stride, placed.ravel()))
         return found
 
-    def field(self, coefficients: Array) -> Displacement:
-        """With coefficients (count, 3) in the order of the grid, rounded as files keep them."""
-        kept = np.rint(coefficients / RESOLUTION) * RESOLUTION + 0.0
-        shaped = kept.reshape(*self.shape[self.axes].tolist(), 3)
-        return Displacement(self.low, self.step, shaped.transpose(*np.argsort(self.axes).tolist(), 3))
+    def taken(self, field: Callable[[Array], Array]) -> Array:
+        """Values (nx, ny, nz, 3) of a field where coefficients are: a spline with these is about that field."""
+        lines = [low + step * np.arange(n) for low, step, n in zip(self.low, self.step, self.shape, strict=True)]
+        places = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
+        return field(places.reshape(-1, 3)).reshape(places.shape)
+
+    def field(self, coefficients: Array, whole: Array) -> Displacement:
+        """With coefficients (count, 3) in the order of the grid beside those of the whole vault (nx, ny, nz, 3).
+
+        They are rounded as files keep them.
+        """
+        shaped = coefficients.reshape(*self.shape[self.axes].tolist(), 3)
+        both = whole + shaped.transpose(*np.argsort(self.axes).tolist(), 3)
+        return Displacement(self.low, self.step, np.rint(both / RESOLUTION) * RESOLUTION + 0.0)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
-from math import ceil, cos, hypot, pi, radians, sin
+from math import atan2, ceil, cos, hypot, pi, radians, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,13 +48,18 @@ def genesis_planes(vault: Vault) -> tuple[SectionPlane, ...]:
 
 
 def every(vault: Vault, spacing: float) -> tuple[SectionPlane, ...]:
-    """Planes beside each other over the whole plan, `spacing` [m] apart: across it, else as the first of its genesis.
+    """Planes `spacing` [m] apart along the whole axis: across it, else as the first of its genesis.
+
+    Of a ring they go through its centre, and are so far apart on the circle along its middle.
 
     Raises:
         ValueError: the spacing is not positive.
     """
     if not spacing > 0:
         raise ValueError(f"every = {spacing!r} m is no distance of planes; give one above 0")
+    rings = [part for piece in vault.pieces() for part in piece.parts if isinstance(part, Turned) and part.radius > 0]
+    if rings:
+        return _named([("every", plane) for plane in _round(vault, rings[0], spacing)])
     upright = [(plane.kind, plane.cut) for plane in genesis_planes(vault) if isinstance(plane.cut, Upright)]
     first = next((cut for kind, cut in upright if kind == "across"), upright[0][1])
     reach = first.off(vault.plan.outline())
@@ -62,6 +67,16 @@ def every(vault: Vault, spacing: float) -> tuple[SectionPlane, ...]:
     (x, y), (a, b) = first.origin, first.normal
     moved = (Upright((x + k * spacing * a, y + k * spacing * b), first.direction) for k in steps)
     return _named([("every", plane) for plane in moved if chords(vault.plan, plane)])
+
+
+def _round(vault: Vault, ring: Turned, spacing: float) -> Iterator[Upright]:
+    """Planes through the axis of a part of a ring, from its middle to both ends."""
+    arc = next(side for side in vault.plan.sides if side.centre is not None)
+    (cx, cy), (x, y) = ring.centre, arc.points(2)[1].tolist()
+    most = int((abs(arc.sweep) / 2 * ring.radius - INSET) / spacing)
+    for k in range(-most, most + 1):
+        angle = atan2(y - cy, x - cx) + k * spacing / ring.radius
+        yield Upright(ring.centre, (cos(angle), sin(angle)))
 
 
 def given(placed: PlacedVault, planes: Iterable[tuple[float, float, float]]) -> tuple[SectionPlane, ...]:

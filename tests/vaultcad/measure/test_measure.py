@@ -15,6 +15,7 @@ from vaultcad.measure.as_built import as_built, displacement
 from vaultcad.measure.coverage import look
 from vaultcad.measure.deviation import level_of_accuracy, summarise
 from vaultcad.measure.routes import as_built_distance
+from vaultcad.mechanisms import Body
 from vaultcad.pose import Pose
 from vaultcad.scanner.settle import draw_settlement
 from vaultcad.survey.thinned_scan import survey, thin_scan, turned
@@ -93,18 +94,34 @@ def test_the_as_built_surface_follows_the_stone_not_the_clutter_and_bridges_a_ho
     clutter = np.where(rng.random(len(stone)) < 0.03, rng.uniform(0.015, 0.03, len(stone)), seen.distance)
     foot = noisy - seen.distance[:, None] * seen.normal
     fit = known & ~hole
-    surface = displacement(foot[fit], seen.normal[fit], clutter[fit])
+    surface = displacement(foot[fit], seen.normal[fit], clutter[fit], Body.of(vault))
     off = np.abs(as_built_distance(vault, surface, stone))
     assert off[fit].mean() < 0.0015
     assert off[hole & known].max() < 0.015
     assert surface.steepness < 0.3
 
 
+@pytest.mark.parametrize("cls", FAMILIES, ids=lambda cls: cls.id)
+def test_a_hole_in_a_corner_is_told_by_how_the_rest_of_the_vault_has_given(cls: type[Vault]) -> None:
+    vault, rng = cls(), np.random.default_rng(8)
+    ideal, stone = settled(vault, 0)
+    normal = vault.evaluate(ideal).normal
+    moved = np.einsum("nc,nc->n", stone - ideal, normal)
+    far = np.linalg.norm(ideal[:, :2] - vault.plan.half, axis=1)
+    hole = far < np.quantile(far, 0.15)
+    seen = moved + rng.normal(0, 0.003, len(moved))
+    surface = displacement(ideal[~hole], normal[~hole], seen[~hole], Body.of(vault))
+    off = np.abs(np.einsum("nc,nc->n", surface(ideal), normal) - moved)
+    assert off[hole].max() < 0.015
+    assert off[~hole].mean() < 0.0015
+
+
 def test_distances_to_the_as_built_surface_are_those_that_were_put_there() -> None:
     vault = Groin(5.0, 4.0)
     ideal, stone = settled(vault, 3)
     seen = vault.evaluate(stone)
-    surface = displacement(stone - seen.distance[:, None] * seen.normal, seen.normal, seen.distance)
+    foot = stone - seen.distance[:, None] * seen.normal
+    surface = displacement(foot, seen.normal, seen.distance, Body.of(vault))
     inner = np.abs(ideal[:, :2]).max(axis=1) < 1.5
     places, normals = ideal[inner], vault.evaluate(ideal[inner]).normal
     inverse = np.linalg.inv(np.eye(3) + surface.jacobian(places)).swapaxes(1, 2)

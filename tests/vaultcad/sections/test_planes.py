@@ -5,7 +5,8 @@ from math import pi, radians
 import numpy as np
 import pytest
 
-from families import FAMILIES, Barrel, Cloister, Dome, Groin, Lunette, Sail
+from families import FAMILIES, Annular, Barrel, Cloister, Dome, Groin, Lunette, Sail
+from families.declaration.pieces import Turned
 from families.void.upright import Upright, chords, outlines
 from vaultcad.model import PlacedVault
 from vaultcad.pose import Pose
@@ -76,5 +77,11 @@ def test_planes_stand_so_far_apart_as_is_asked():
     at = [plane.cut.origin[1] for plane in planes if isinstance(plane.cut, Upright)]
     assert len(at) == 15
     np.testing.assert_allclose(np.diff(at), 0.5)
+    ring = Annular()
+    cuts = [plane.cut for plane in every(ring, 0.5)]
+    radius = next(part.radius for piece in ring.pieces() for part in piece.parts if isinstance(part, Turned))
+    assert len(cuts) > 5
+    np.testing.assert_allclose(np.diff(np.unwrap([cut.azimuth for cut in cuts])) * radius, 0.5)
+    assert all(sum(high - low for low, high in chords(ring.plan, cut)) > 0.3 for cut in cuts)
     with pytest.raises(ValueError, match="every = 0"):
         every(Barrel(), 0.0)

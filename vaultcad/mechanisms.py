@@ -8,18 +8,21 @@ Ochsendorf, "The masonry arch on spreading supports", 2006), so that mechanism h
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from families import Vault
+
 Array = NDArray[np.float64]
 
 LARGE = 0.05  # m, standard deviation of all shapes of a part beforehand: vaults that stand have moved by centimetres
 SHORT = 0.75  # m below the springing in which a movement of walls may fade
 TWICE = 2.0  # times that, or to the floor
+LOWEST = 0.1  # m, rise of a vault and depth of its walls at the least
 EVERY_WAY = -1  # of a shape that is there however walls fade
 
 
@@ -30,6 +33,11 @@ class Body:
     half: Array
     rise: float
     depth: float
+
+    @classmethod
+    def of(cls, vault: Vault, depth: float = SHORT) -> Body:
+        """Of a vault whose walls are seen so far down [m]."""
+        return cls(vault.plan.half, max(vault.top, LOWEST), max(depth, LOWEST))
 
 
 Fields = Callable[[Array, Body], Iterator[tuple[int, Array]]]
@@ -114,6 +122,8 @@ PARTS: Mapping[str, Fields] = {
 }
 """Fields of which mechanisms are made."""
 
+GIVING = ("spread x", "spread y", "sinking")  # of abutments that give way
+
 
 @dataclass(frozen=True)
 class Mechanism:
@@ -127,7 +137,7 @@ class Mechanism:
 MECHANISMS: tuple[Mechanism, ...] = (
     Mechanism(
         "spreading of the abutments",
-        ("spread x", "spread y", "sinking"),
+        GIVING,
         "the springings move apart and the crown sinks; cracks open at the crown on the intrados, "
         "at the haunches on the extrados",
     ),
@@ -162,8 +172,8 @@ class Shapes(NamedTuple):
         return [(self.fading == way) | (self.fading == EVERY_WAY) for way in ways]
 
 
-def shapes(points: Array, body: Body) -> Shapes:
-    """Those at points (n, 3) in the vault's frame [m]."""
-    found = [(name, way, field) for name, fields in PARTS.items() for way, field in fields(points, body)]
+def shapes(points: Array, body: Body, parts: Iterable[str] = PARTS) -> Shapes:
+    """Those of some of `PARTS` at points (n, 3) in the vault's frame [m]."""
+    found = [(name, way, field) for name in parts for way, field in PARTS[name](points, body)]
     names, ways, all_ = zip(*found, strict=True)
     return Shapes(np.stack(all_, axis=1), np.array(names), np.array(ways, np.int64))

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from families import FAMILIES
-from vaultcad.change.mechanisms import LARGE, MECHANISMS, PARTS, Body, shapes
 from vaultcad.change.motion import Places, Trend, Waves, estimated, likelihoods
 from vaultcad.change.places import Sights, azimuth, places, readings, wind
+from vaultcad.mechanisms import LARGE, MECHANISMS, PARTS, Body, shapes
 
 BODY = Body(np.array([2.5, 2.0]), 2.5, 3.0)
 
