@@ -123,8 +123,7 @@ class _Fit:
             if abs(scale - last) < SAME_SCALE * scale:
                 break
             scales = (scale,) if k else (*wide, scale)
-            near = len(scales) == 1
-            solution = self.evidence.solve(start, free, scales, most=self.most, gain=self.close, near=near)
+            solution = self.evidence.solve(start, free, scales, most=self.most, gain=self.close)
             start, scatter, last = solution.placed, _scatter(solution, self.evidence.weights), scale
         loosest = self.demands.freedom(solution.placed.vault, [c for c in kept if c.rare])
         return Refined(solution, self.evidence, scatter, tuple(kept), loosest)

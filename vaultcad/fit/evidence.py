@@ -67,15 +67,7 @@ class Evidence:
         return float(self.weights @ robust_cost(placed.distance(self.points), scale) / self.weights.sum())
 
     def solve(
-        self,
-        start: Placed,
-        free: Freedom,
-        scales: tuple[float, ...],
-        *,
-        most: int = 15,
-        gain: float = 1e-7,
-        near: bool = False,
+        self, start: Placed, free: Freedom, scales: tuple[float, ...], *, most: int = 15, gain: float = 1e-7
     ) -> Solution:
         """Fit what is free, see `vaultcad.fit.solve.solve`."""
-        lowest = self.lowest
-        return solve(start, self.points, self.weights, free, scales, lowest=lowest, most=most, gain=gain, near=near)
+        return solve(start, self.points, self.weights, free, scales, lowest=self.lowest, most=most, gain=gain)

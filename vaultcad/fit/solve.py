@@ -17,7 +17,6 @@ Array = NDArray[np.float64]
 POSE = ("x", "y", "z", "yaw")
 DIFFERENCE = 1e-6  # of finite differences; lengths are metres, ratios and angles of the same order
 MARGIN = 1e-9
-LEAST_BENT = 0.1  # of a square, that the loss of a point is at least taken to bend by
 LONGEST_STEP = 0.5  # m, rad or 1: no step goes farther, however flat the cost
 
 
@@ -83,7 +82,6 @@ def solve(
     lowest: float = -np.inf,
     most: int = 15,
     gain: float = 1e-7,
-    near: bool = False,
 ) -> Solution:
     """Fit pose and `free` parameters to points (n, 3) with weights (n,), the springing not below `lowest` [m].
 
@@ -92,8 +90,7 @@ def solve(
     Levenberg-Marquardt on iteratively reweighted residuals; the loss narrows through `scales` [m], from one that sees
     far outliers to one that does not (graduated non-convexity, Blake and Zisserman 1987); each ends after `most` steps
     or when a step lowers the cost by less than the share `gain`. Steps are projected on the
-    parameters' ranges; an unknown that leans on its bound rests there (Kanzow, Yamashita, Fukushima 2004). From a start
-    that is `near` the curvature of the loss counts, too, where it bends upwards (Triggs et al. 2000): fewer steps do.
+    parameters' ranges; an unknown that leans on its bound rests there (Kanzow, Yamashita, Fukushima 2004).
     """
     if not isinstance(free, Freedom):
         free = Freedom(free)
@@ -106,11 +103,9 @@ def solve(
         damping, converged = 1e-3, False
         cost = float(weights @ robust_cost(r, scale))
         for _ in range(most):
-            squared = (r / scale) ** 2
-            w = weights / (1 + squared) ** 2
-            bent = w * np.maximum((1 - 3 * squared) / (1 + squared), LEAST_BENT) if near else w
+            w = weights / (1 + (r / scale) ** 2) ** 2
             jacobian = _jacobian(placed, free, points)
-            gradient, hessian = jacobian.T @ (w * r), (jacobian.T * bent) @ jacobian
+            gradient, hessian = jacobian.T @ (w * r), (jacobian.T * w) @ jacobian
             resting = ((x <= low + MARGIN) & (gradient > 0)) | ((x >= high - MARGIN) & (gradient < 0))
             moved = False
             while damping < 1e6:

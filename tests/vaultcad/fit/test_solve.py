@@ -70,23 +70,6 @@ def test_the_jacobian_is_the_derivative_of_the_distances() -> None:
         assert agree.mean() > 0.99  # a point on an edge has two derivatives
 
 
-def test_from_near_by_fewer_steps_come_to_the_same_rest() -> None:
-    rng = np.random.default_rng(6)
-    points = cloud(3000, 0.004, rng)
-    points[::7, 2] += 0.03
-    counts, found = [], []
-    for near in (False, True):
-        for most in range(2, 60):
-            one = solve(TRUTH, points, np.ones(len(points)), FREE, (0.016,), most=most, gain=1e-9, near=near)
-            if one.converged:
-                break
-        counts.append(most)
-        found.append(one.placed)
-    assert counts[1] < counts[0] < 59
-    assert found[1].vault.values() == pytest.approx(found[0].vault.values(), abs=2e-5)
-    assert found[1].pose.z == pytest.approx(found[0].pose.z, abs=2e-5)
-
-
 def test_the_cost_runs_from_none_to_one_by_way_of_a_half() -> None:
     assert robust_cost(np.array([0.0, 0.05, 1e6]), 0.05) == pytest.approx([0.0, 0.5, 1.0])
 
