@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from families import FAMILIES, Vault
 from segmentation.cloud import Cloud
+from segmentation.io.columns import corners
 from segmentation.notes import Note
 from vaultcad.change.reading import read_deformation
 from vaultcad.deformation import Deformation
@@ -127,11 +128,10 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
         vaults = tuple(replace(fitted, pose=lean.pose(fitted.pose)) for fitted in vaults)
         arches = tuple(replace(fitted, pose=lean.pose(fitted.pose)) for fitted in arches)
         piers = tuple(replace(pier, pose=lean.pose(pier.pose)) for pier in piers)
-    ends = cloud.in_file(np.array([cloud.xyz.min(axis=0), cloud.xyz.max(axis=0)]))
     model = Model(
         scan=legible(cloud.source or Path("scan")),
         points=len(cloud),
-        bounds=np.sort(ends, axis=0),
+        bounds=corners(cloud),
         origin=cloud.origin,
         vaults=vaults,
         arches=arches,

@@ -233,21 +233,44 @@ def surface(xyz: Array, frame: Array, parts: Array, plan: Array) -> tuple[Array,
 
 
 @compiled
-def deciding(xyz: Array, frame: Array, parts: Array, plan: Array) -> tuple[NDArray[np.int64], Array]:
-    """Rows (n,) of the bodies that decide the distances, negative for walls, and their normals (n, 3)."""
-    n = len(xyz)
-    rows, normal = np.empty(n, np.int64), np.empty((n, 3))
+def slopes(xyz: Array, frame: Array, parts: Array, plan: Array, moved: Array, outlines: Array, steps: Array) -> Array:
+    """Derivatives (n, 4 + k) of the distances of points (n, 3) by place, yaw and k parameters.
+
+    moved, outlines: (k, bodies, WIDTH) and (k, sides, 5), the tables with each parameter a step (k,) larger. The body
+    that decides a point's distance still does after a small step, so only that one is asked again, if it has changed.
+    """
+    n, count = len(xyz), len(steps)
+    out = np.zeros((n, 4 + count))
+    bodies, sides = np.zeros((count, len(parts)), np.bool_), np.zeros((count, len(plan)), np.bool_)
+    for k in range(count):
+        for row in range(len(parts)):
+            bodies[k, row] = (moved[k, row] != parts[row]).any()
+        for row in range(len(plan)):
+            sides[k, row] = (outlines[k, row] != plan[row]).any()
     for i in range(n):
         x, y, z = _moved(xyz, i, frame)
-        _, _, rows[i], nx, ny, nz = _room(x, y, z, parts, plan)
+        _, _, row, nx, ny, nz = _room(x, y, z, parts, plan)
         for k in range(3):
-            normal[i, k] = nx * frame[0, k] + ny * frame[1, k] + nz * frame[2, k]
-    return rows, normal
+            out[i, k] = -(nx * frame[0, k] + ny * frame[1, k] + nz * frame[2, k])
+        out[i, 3] = nx * y - ny * x
+        if row < 0:
+            d = _side(x, y, plan, -1 - row)
+            for k in range(count):
+                if sides[k, -1 - row]:
+                    out[i, 4 + k] = (_side(x, y, outlines[k], -1 - row) - d) / steps[k]
+            continue
+        d = _body(x, y, z, parts, row)[0]
+        for k in range(count):
+            if bodies[k, row]:
+                there = _body(x, y, z, moved[k], row)[0]
+                # A point just above the axis of one side of a barrel may come to lie behind it, where that body ends.
+                out[i, 4 + k] = (there - d) / steps[k] if there > -inf else 0.0
+    return out
 
 
 @compiled
 def to_rows(xyz: Array, frame: Array, parts: Array, plan: Array, rows: NDArray[np.int64]) -> Array:
-    """Signed distances (n,) [m] of points (n, 3), each to the one body in its row: what an optimiser differentiates."""
+    """Signed distances (n,) [m] of points (n, 3), each to the one body in its row, or below 0 to a side."""
     out = np.empty(len(xyz))
     for i in range(len(xyz)):
         x, y, z = _moved(xyz, i, frame)

@@ -71,13 +71,19 @@ def _stream(scan: Path, path: Path, cloud: Cloud, extra: Mapping[str, NDArray[An
         # the index of a cloud-optimised LAZ does not fit the new file
         header.vlrs = [vlr for vlr in header.vlrs if vlr.user_id != "copc"]
         add_extras(header, extra)
-        same = [name for name in reader.header.point_format.dtype().names if name not in extra]
+        old = reader.header.point_format.dtype()
+        same = [name for name in old.names if name not in extra]
+        front = _common_front(old, header.point_format.dtype(), same)
         at, done = 0, 0
         with open_writer(path, header) as writer:
             for points in las_points(scan, reader):
                 labelled = laspy.ScaleAwarePointRecord.zeros(len(points), header=header)
-                for name in same:  # the packed fields, so that not a bit of them changes
-                    labelled.array[name] = points.array[name]
+                # The packed fields, so that not a bit of them changes: side by side, if they are.
+                if front:
+                    _bytes(labelled.array)[:, :front] = _bytes(points.array)[:, :front]
+                else:
+                    for name in same:
+                        labelled.array[name] = points.array[name]
                 kept = slice(None) if cloud.kept is None else cloud.kept[done : done + len(points)]
                 n = len(points) if cloud.kept is None else int(cloud.kept[done : done + len(points)].sum())
                 for name, values in extra.items():
@@ -91,3 +97,20 @@ def _stream(scan: Path, path: Path, cloud: Cloud, extra: Mapping[str, NDArray[An
             evlrs = [vlr for vlr in reader.evlrs or [] if vlr.user_id != "copc"]
             if evlrs:
                 writer.write_evlrs(laspy.vlrs.vlrlist.VLRList(evlrs))
+
+
+def _common_front(one: np.dtype[Any], other: np.dtype[Any], names: list[str]) -> int:
+    """How many bytes of two kinds of records are these fields, at the front of both and in one order; 0 if not so."""
+    places, there = ([(kind[name], _offset(kind, name)) for name in names] for kind in (one, other))
+    size = sum(kind.itemsize for kind, _ in places)
+    return size if places == there and max((at + kind.itemsize for kind, at in places), default=0) == size else 0
+
+
+def _offset(records: np.dtype[Any], name: str) -> int:
+    """How many bytes before a field."""
+    return records.fields[name][1] if records.fields else 0
+
+
+def _bytes(records: NDArray[Any]) -> NDArray[np.uint8]:
+    """Records (n,) as the bytes (n, size) that they are."""
+    return records.view(np.uint8).reshape(len(records), records.dtype.itemsize)

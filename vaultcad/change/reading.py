@@ -23,8 +23,8 @@ from vaultcad.find.choices import Choice
 from vaultcad.find.likelihood import DOUBT
 from vaultcad.find.refine import Refined
 from vaultcad.fit.freedom import Demands, Freedom
-from vaultcad.fit.solve import POSE, Placed, Solution
-from vaultcad.fit.uncertainty import slopes_of_distances
+from vaultcad.fit.solve import Placed, Solution
+from vaultcad.fit.uncertainty import loosened
 from vaultcad.mechanisms import MECHANISMS, PARTS, shapes
 
 Array = NDArray[np.float64]
@@ -112,18 +112,18 @@ def _ways(stone: Stone, choices: Sequence[Choice], demands: Demands) -> list[_Wa
     refined = stone.refined
     if not choices:
         free = demands.freedom(refined.placed.vault)
-        return [(1.0, *stone.against(_at_rest(refined, refined.placed, (*POSE, *free.names), free)))]
+        return [(1.0, *stone.against(_at_rest(refined, refined.placed, free)))]
     found = []
     for choice in choices[:MOST_WAYS]:
         if choice.chance >= LIKELY or choice is choices[0]:
             free = demands.freedom(choice.placed.vault, choice.kept)
-            found.append((choice.chance, *stone.against(_at_rest(refined, choice.placed, (*POSE, *free.names), free))))
+            found.append((choice.chance, *stone.against(_at_rest(refined, choice.placed, free))))
     return found
 
 
-def _at_rest(refined: Refined, placed: Placed, names: tuple[str, ...], free: Freedom) -> Solution:
-    whole = replace(refined.solution, placed=placed, names=names, free=free, residuals=placed.distance(refined.points))
-    return replace(whole, jacobian=slopes_of_distances(whole, refined.points))
+def _at_rest(refined: Refined, placed: Placed, free: Freedom) -> Solution:
+    there = replace(refined.solution, placed=placed, residuals=placed.distance(refined.points))
+    return loosened(there, free, refined.points)
 
 
 def _odds(way: _Way, trend: Trend, shown: Sequence[NDArray[np.bool_]], waves: Waves) -> list[float]:

@@ -21,7 +21,7 @@ from families import PROFILES
 from families.declaration.constraints import Constraint
 from families.declaration.profiles import as_kind
 from vaultcad.find.identity import is_its_family
-from vaultcad.find.likelihood import FIT_STEPS, GAIN, Field
+from vaultcad.find.likelihood import FIT_STEPS, GAIN, Field, Marginal
 from vaultcad.find.practice import log_prior
 from vaultcad.find.recognise import Kinds, kinds_of, turned_over
 from vaultcad.find.refine import Refined, settled
@@ -82,15 +82,18 @@ def weigh(
     raw = [exp(one.score - top) for one in fitted]
     likely = [(one, chance) for one, chance in zip(fitted, raw, strict=True) if chance > SLIGHT * sum(raw)]
     whole = sum(chance for _, chance in likely)
-    return tuple(Choice(one.placed, one.kept, chance / whole, moved.sizes(one.solution)) for one, chance in likely)
+    return tuple(
+        Choice(one.placed, one.kept, chance / whole, moved.sizes(one.solution, one.told)) for one, chance in likely
+    )
 
 
 @dataclass(frozen=True)
 class _Fitted:
-    """One choice fitted. score: log of its odds, up to a constant."""
+    """One choice fitted, and what it says of the field. score: log of its odds, up to a constant."""
 
     solution: Solution
     kept: tuple[Constraint, ...]
+    told: Marginal
     score: float
 
     @property
@@ -180,8 +183,9 @@ class _ChoiceSearch:
         solution = moved.evidence.solve(begun, free, (moved.scale,), most=FIT_STEPS, gain=GAIN)
         fitted = solution.placed.vault
         if is_its_family(fitted) and self.demands.met(fitted) and moved.near(solution):
-            score = moved.log_likelihood(solution) + log_prior(fitted, kept)
-            self.fitted[key] = _Fitted(solution, kept, score)
+            told = moved.marginal(solution)
+            score = moved.log_likelihood(solution, told) + log_prior(fitted, kept)
+            self.fitted[key] = _Fitted(solution, kept, told, score)
 
 
 def likeliest(refined: Refined, choices: Sequence[Choice], demands: Demands) -> Refined:

@@ -24,6 +24,7 @@ from vaultcad.fit.label import ArchBand, label
 from vaultcad.processes import spread
 from vaultcad.survey.parting import Ceiling, parted
 from vaultcad.survey.patches import Patches
+from vaultcad.survey.plan_grid import Laid
 from vaultcad.survey.soffits import Soffit
 from vaultcad.survey.thinned_scan import UPRIGHT, Thin
 
@@ -70,6 +71,7 @@ def find_vaults(
             ribbed = _ribbed(whole, (), parting.hung, thin, xyz, rng)
             if any(rib.line == DIAGONAL for rib in ribbed.arches):
                 return ribbed
+    laid = parting.laid(xyz)
     kinds = firsts([look_of_ceiling(ceiling.points) for ceiling in ceilings])
     kinds += [len(ceilings) + k for k in firsts([look_of_soffit(soffit) for soffit in soffits])]
 
@@ -77,7 +79,7 @@ def find_vaults(
         try:
             if k < len(ceilings):
                 like = first[0] if isinstance(first, tuple) and len(first) == 1 else None
-                return _over_part(thin, xyz, ceilings[k], families, rngs[k], demands, like)
+                return _over_part(thin, laid, ceilings[k], families, rngs[k], demands, like)
             soffit, arch = soffits[k - len(ceilings)], first if isinstance(first, FoundArch) else None
             return find_arch(soffit, thin, hung, rngs[k], arch)
         except NoVaultError as error:
@@ -94,7 +96,7 @@ def find_vaults(
     found = [results[k] for k in range(len(kinds))]
     under = [result if isinstance(result, tuple) else () for result in found[: len(ceilings)]]
     if BAYS.name not in demands.freed:
-        under = _looked_at_again(thin, xyz, ceilings, under, rngs, demands, progress)
+        under = _looked_at_again(thin, laid, ceilings, under, rngs, demands, progress)
     vaults = [one for result in under for one in result]
     arches = [result for result in found if isinstance(result, FoundArch)]
     if not vaults:  # holes and scaffolds can part what is one
@@ -119,7 +121,7 @@ def _told(result: _Result) -> str:
 
 def _over_part(
     thin: Thin,
-    xyz: NDArray[np.floating],
+    laid: Laid,
     ceiling: Ceiling,
     families: Sequence[type[Vault]],
     rng: np.random.Generator,
@@ -132,7 +134,7 @@ def _over_part(
         NoVaultError: there is none.
     """
     _check_bent(ceiling)
-    mine, own = ceiling.part.thinned(thin), xyz[ceiling.part.holds(xyz)]
+    mine, own = ceiling.part.thinned(thin), ceiling.part.own(laid)
     if like is not None:
         begun = rng.spawn(1)[0]  # so that a search in full is the same as if this had not been tried
         with suppress(NoVaultError):
@@ -142,7 +144,7 @@ def _over_part(
 
 def _looked_at_again(
     thin: Thin,
-    xyz: NDArray[np.floating],
+    laid: Laid,
     ceilings: Sequence[Ceiling],
     under: Sequence[tuple[Found, ...]],
     rngs: Sequence[np.random.Generator],
@@ -159,7 +161,7 @@ def _looked_at_again(
             look, ceiling = looks[n], ceilings[looks[n].number]
             sizes = {name: mean for name, (mean, _) in look.shared.items()} | dict(demands.sizes)
             asked, mine = replace(demands, sizes=sizes), ceiling.part.thinned(thin)
-            families, own = (type(look.beside.placed.vault),), xyz[ceiling.part.holds(xyz)]
+            families, own = (type(look.beside.placed.vault),), ceiling.part.own(laid)
             try:
                 _check_bent(ceiling)
                 found = under_one_ceiling(mine, own, families, rngs[look.number], asked, part=True, like=look.beside)

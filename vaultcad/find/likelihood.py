@@ -46,6 +46,18 @@ COARSE = slice(None, None, 2)  # of the field's strengths and roughnesses, to be
 
 
 @dataclass(frozen=True)
+class Marginal:
+    """What a fit says with each of h fields, of other lengths, strengths and roughnesses.
+
+    likelihood: (h,) logarithms. shift: (h, u) means of the unknowns, from where the solution is. covariance: (h, u, u).
+    """
+
+    likelihood: Array
+    shift: Array
+    covariance: Array
+
+
+@dataclass(frozen=True)
 class Field:
     """The points of a fit, their blocks, and the random field in which these may have moved.
 
@@ -98,38 +110,32 @@ class Field:
         keeps = gone[1:] <= np.maximum(LOST * whole[1:], LOST_POINTS)
         return float((np.abs(residual) > FAR).mean()) < FEW_FAR and bool(keeps.all())
 
-    def log_likelihood(self, solution: Solution) -> float:
+    def log_likelihood(self, solution: Solution, told: Marginal) -> float:
         """Of a fit to this evidence, with its parameters within their ranges, up to a constant that all fits share."""
-        likelihood, shift, inverse = self._marginal(solution)
-        spread = np.asarray(np.linalg.inv(inverse).diagonal(axis1=1, axis2=2), np.float64)
-        mean, variance = _moments(likelihood, shift, spread)
+        spread = np.asarray(told.covariance.diagonal(axis1=1, axis2=2), np.float64)
+        mean, variance = _moments(told.likelihood, told.shift, spread)
         values, ranges = solution.placed.vault.values(), {p.name: p.range for p in solution.placed.vault.parameters()}
         precision, before = beforehand(solution)
         within = 0.0
         for k, name in enumerate(solution.names[len(POSE) :], len(POSE)):
             ends = np.array([ranges[name].low, ranges[name].high]) - values[name]
             within += _log_within(ends, mean[k], variance[k]) - _log_within(ends, before[k], 1 / precision[k])
-        return _log_sum(likelihood) / DOUBT + within
+        return _log_sum(told.likelihood) / DOUBT + within
 
-    def sizes(self, solution: Solution) -> dict[str, tuple[float, float]]:
+    def sizes(self, solution: Solution, told: Marginal) -> dict[str, tuple[float, float]]:
         """Mean and standard deviation of each size and of the pose, by name, before the settlement [m, rad, 1]."""
-        likelihood, shift, inverse = self._marginal(solution)
         vault, pose = solution.placed.vault, solution.placed.pose
         here = {**vault.values(), **vault.derived_values(), **{name: getattr(pose, name) for name in POSE}}
         slopes = slopes_of_sizes(solution) | dict(zip(POSE, np.eye(len(POSE), len(solution.names)), strict=True))
         rows = np.stack(list(slopes.values()))
-        means = shift @ rows.T
-        spread = np.einsum("sk,hkl,sl->hs", rows, np.linalg.inv(inverse), rows)
-        mean, variance = _moments(likelihood, means, spread)
+        spread = ((rows @ told.covariance) * rows).sum(axis=2)
+        mean, variance = _moments(told.likelihood, told.shift @ rows.T, spread)
         return {
             name: (here[name] + float(mean[k]), sqrt(max(float(variance[k]), 0.0))) for k, name in enumerate(slopes)
         }
 
-    def _marginal(self, solution: Solution) -> tuple[Array, Array, Array]:
-        """Log likelihoods (h,), means (h, u) of the unknowns and inverses (h, u, u) of their covariances.
-
-        h runs over lengths, strengths and roughnesses of the field; means are from where the solution is.
-        """
+    def marginal(self, solution: Solution) -> Marginal:
+        """Of a fit to this evidence, over lengths, strengths and roughnesses of the field."""
         residual = self.blocks.means(solution.residuals[:, None])[self.usable, 0]
         jacobian = self.blocks.means(secants(solution, self.evidence.points))[self.usable]
         precision, mean = beforehand(solution)
@@ -142,13 +148,13 @@ class Field:
             squares = (slopes[:, :, None] * slopes[:, None, :]).reshape(len(rest), -1)
             inverse = (weight @ squares).reshape(len(weight), len(mean), len(mean)) + np.diag(precision)
             pull = precision * mean - weight @ (slopes * rest[:, None])
-            shift = np.linalg.solve(inverse, pull[:, :, None])[:, :, 0]
+            covariance = np.linalg.inv(inverse)
+            shift = (covariance @ pull[:, :, None])[:, :, 0]
             misfit = weight @ rest**2 + precision @ mean**2 - (pull * shift).sum(axis=1)
             volume = np.linalg.slogdet(inverse)[1] - np.log(precision).sum()
             likelihood = -0.5 * (np.log(variance).sum(axis=1) + volume + misfit)
-            found.append((likelihood + np.repeat(prior, len(roughnesses)), shift, inverse))
-        likelihoods, shifts, inverses = (np.concatenate(parts) for parts in zip(*found, strict=True))
-        return likelihoods, shifts, inverses
+            found.append((likelihood + np.repeat(prior, len(roughnesses)), shift, covariance))
+        return Marginal(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
 
 
 def secants(solution: Solution, points: Array) -> Array:

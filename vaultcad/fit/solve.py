@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,17 +47,22 @@ def tables(vault: Vault) -> tuple[Array, Array]:
 class Solution:
     """Where the least squares came to rest.
 
-    names: the unknowns, pose first. jacobian: (n, k) of the distances. weights: (n,) robust weights times the points'.
-    free: what the names may move, and what follows them.
+    names: the unknowns, pose first. points: (n, 3) [m]. weights: (n,) robust weights times the points'. free: what the
+    names may move, and what follows them.
     """
 
     placed: Placed
     names: tuple[str, ...]
+    points: Array
     residuals: Array
     weights: Array
-    jacobian: Array
     converged: bool
     free: Freedom
+
+    @Once
+    def jacobian(self) -> Array:
+        """Derivatives (n, k) of the distances by the unknowns."""
+        return _jacobian(self.placed, self.free, self.points)
 
 
 def robust_cost(residuals: Array, scale: float) -> Array:
@@ -100,7 +104,7 @@ def solve(
         cost = float(weights @ robust_cost(r, scale))
         for _ in range(most):
             w = weights / (1 + (r / scale) ** 2) ** 2
-            jacobian = _jacobian(placed, free, x, high, points)
+            jacobian = _jacobian(placed, free, points)
             gradient, hessian = jacobian.T @ (w * r), (jacobian.T * w) @ jacobian
             resting = ((x <= low + MARGIN) & (gradient > 0)) | ((x >= high - MARGIN) & (gradient < 0))
             moved = False
@@ -123,7 +127,7 @@ def solve(
                 converged = True
                 break
     w = weights / (1 + (r / scales[-1]) ** 2) ** 2
-    return Solution(placed, names, r, w, _jacobian(placed, free, x, high, points), converged, free)
+    return Solution(placed, names, points, r, w, converged, free)
 
 
 def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool_]) -> Array:
@@ -134,43 +138,31 @@ def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool
     return np.clip(step, -LONGEST_STEP, LONGEST_STEP)
 
 
-def _jacobian(placed: Placed, free: Freedom, x: Array, high: Array, points: Array) -> Array:
-    """Derivatives (n, k) of the distances to a vault with unknowns `x` (k,).
+def _jacobian(placed: Placed, free: Freedom, points: Array) -> Array:
+    """Derivatives (n, k) of the distances to a vault by its pose and what is free.
 
     By the pose from the normals, by the parameters from finite differences.
     """
-    jacobian = np.empty((len(points), len(x)))
-    normal, moves = _slopes(placed, points)
-    jacobian[:, :3] = -normal
-    jacobian[:, 3] = normal[:, 0] * (points[:, 1] - x[1]) - normal[:, 1] * (points[:, 0] - x[0])
-    jacobian[:, [k for k, name in enumerate(POSE) if name in free.pose]] = 0
-    for k in range(len(POSE), len(x)):
-        step = DIFFERENCE if x[k] + DIFFERENCE <= high[k] else -DIFFERENCE
-        moved = x.copy()
-        moved[k] += step
-        jacobian[:, k] = moves(_moved(placed, free, moved)) / step
-    return jacobian
-
-
-def _slopes(placed: Placed, points: Array) -> tuple[Array, Callable[[Vault], Array]]:
-    """Normals (n, 3) at points (n, 3), and by how much their distances (n,) [m] change to a vault a little different.
-
-    The body that decides a point's distance still does after a small step, so only that one is asked again.
-    """
+    x, (_, high) = _vector(placed, free), _bounds(placed.vault, free, -np.inf)
     frame, table, plan = placed.packed
-    rows, normal = kernel.deciding(points, frame, table, plan)
-    asked = kernel.to_rows(points, frame, table, plan, rows)
-
-    def moves(other: Vault) -> Array:
-        bodies, outline = tables(other)
-        # A trough that is just not yet a cloister, a sector that just takes another arc.
-        if len(bodies) != len(table) or len(outline) != len(plan):
-            return np.asarray(kernel.distances(points, frame, bodies, outline) - asked)
-        there = kernel.to_rows(points, frame, bodies, outline, rows)
-        # A point just above the axis of one side of a barrel may come to lie behind it, where that body ends.
-        return np.where(np.isfinite(there), there - asked, 0.0)
-
-    return normal, moves
+    count = len(free.names)
+    moved, outlines = np.tile(table, (count, 1, 1)), np.tile(plan, (count, 1, 1))
+    steps = np.where(x + DIFFERENCE <= high, DIFFERENCE, -DIFFERENCE)[len(POSE) :]
+    others: list[tuple[int, Array, Array]] = []
+    for k, step in enumerate(steps.tolist()):
+        there = x.copy()
+        there[len(POSE) + k] += step
+        bodies, outline = tables(_moved(placed, free, there))
+        if len(bodies) == len(table) and len(outline) == len(plan):
+            moved[k], outlines[k] = bodies, outline
+        else:  # a trough that is just not yet a cloister, a sector that just takes another arc
+            others.append((k, bodies, outline))
+    jacobian: Array = kernel.slopes(points, frame, table, plan, moved, outlines, steps)
+    for k, bodies, outline in others:
+        change = kernel.distances(points, frame, bodies, outline) - placed.distance(points)
+        jacobian[:, len(POSE) + k] = change / steps[k]
+    jacobian[:, [k for k, name in enumerate(POSE) if name in free.pose]] = 0
+    return jacobian
 
 
 def _vector(placed: Placed, free: Freedom) -> Array:

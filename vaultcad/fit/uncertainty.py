@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from families import Vault
+from families.declaration.once import Once
 from vaultcad.fit.freedom import Freedom
 from vaultcad.fit.settlement import block_means, motion
 from vaultcad.fit.solve import POSE, Placed, Solution
@@ -88,8 +89,17 @@ def loosened(solution: Solution, free: Freedom, points: Array) -> Solution:
 
     So a constraint that was kept because it costs little is as unsure as what it holds would be without it.
     """
-    looser = replace(solution, names=(*POSE, *free.names), free=free)
-    return replace(looser, jacobian=slopes_of_distances(looser, points))
+    known = {f.name: getattr(solution, f.name) for f in fields(solution)}
+    return _Loosened(**{**known, "names": (*POSE, *free.names), "points": points, "free": free})
+
+
+class _Loosened(Solution):
+    """A solution at rest where not all of its unknowns would be."""
+
+    @Once
+    def jacobian(self) -> Array:
+        """Derivatives (n, k) of the distances by the unknowns, from steps both ways."""
+        return slopes_of_distances(self, self.points)
 
 
 def slopes_of_sizes(solution: Solution) -> dict[str, Array]:

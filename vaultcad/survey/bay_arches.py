@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from vaultcad.survey.bays import Region
 from vaultcad.survey.thinned_scan import CHUNK, UPRIGHT, Thin, rectangle, turned
 
+Array = NDArray[np.float64]
+
 FRONT = 1.2  # m; how far from the valley between two bays the front of the arch between them may stand
 DEPTH_STEP, STRIP = 0.03, 0.2  # m; bins of depth and along the edge where it is looked for
 SOFFIT, LEVEL_SOFFIT = 0.12, 0.025  # m; depth of its soffit that must be so level
@@ -36,8 +38,10 @@ def without_arches(thin: Thin, xyz: NDArray[np.floating], region: Region) -> tup
     xy, upright = turned(thin.points[:, :2], region.yaw), np.abs(thin.normals[:, 2]) < UPRIGHT
     low, high = region.low.copy(), region.high.copy()
     keep = np.ones(len(xy), np.bool_)
-    for axis, side in zip(*np.nonzero(~_walled(thin, region)), strict=True):
-        front = _front(xyz, region, axis, side)
+    open_sides = np.argwhere(~_walled(thin, region)).tolist()
+    level = turned(xyz[:, :2].astype(np.float64), region.yaw) if open_sides else np.empty((0, 2))
+    for axis, side in open_sides:
+        front = _front(level, xyz[:, 2], region, axis, side)
         if front > 0.0:
             sign, edge = (1.0, low) if side == 0 else (-1.0, high)
             depth = sign * (xy[:, axis] - edge[axis])
@@ -57,9 +61,11 @@ def _within(xyz: NDArray[np.floating], region: Region) -> NDArray[np.floating]:
     return np.concatenate([part[region.holds(part)] for part in parts])
 
 
-def _front(xyz: NDArray[np.floating], region: Region, axis: int, side: int) -> float:
-    """How far inside a region's edge [m] the arch to the next bay ends: where the ceiling rises; 0 if nowhere."""
-    xy = turned(xyz[:, :2].astype(np.float64), region.yaw)
+def _front(xy: Array, heights: NDArray[np.floating], region: Region, axis: int, side: int) -> float:
+    """How far inside a region's edge [m] the arch to the next bay ends: where the ceiling rises; 0 if nowhere.
+
+    xy: (n, 2) of the points in the region's axes [m]. heights: (n,) [m].
+    """
     depth = (1.0, -1.0)[side] * (xy[:, axis] - (region.low, region.high)[side][axis])
     # About the middle of the edge, where the crown of an arch is level.
     middle, length = (region.low + region.high)[1 - axis] / 2, (region.high - region.low)[1 - axis]
@@ -68,7 +74,7 @@ def _front(xyz: NDArray[np.floating], region: Region, axis: int, side: int) -> f
     strips, bins = int(length / 2 / STRIP) + 1, round(FRONT / DEPTH_STEP)
     strip = ((along[near] + length / 4) / STRIP).astype(np.int64)
     height = np.full((strips, bins), -np.inf)
-    np.maximum.at(height, (strip, np.minimum(depth[near] / DEPTH_STEP, bins - 1).astype(np.int64)), xyz[near, 2])
+    np.maximum.at(height, (strip, np.minimum(depth[near] / DEPTH_STEP, bins - 1).astype(np.int64)), heights[near])
     # Where nothing of the ceiling was seen, the highest point is the floor's.
     height[height < height.max(axis=1, keepdims=True) - FRONT] = np.nan
     run, rise = round(SOFFIT / DEPTH_STEP), round(RISE / DEPTH_STEP)

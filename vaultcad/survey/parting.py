@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from vaultcad.survey.backs import below_backs
 from vaultcad.survey.bays import check_grid
 from vaultcad.survey.patches import Patches, hung_and_other
-from vaultcad.survey.plan_grid import PlanGrid
+from vaultcad.survey.plan_grid import Laid, PlanGrid
 from vaultcad.survey.soffits import Soffit, soffits_of
 from vaultcad.survey.thinned_scan import UPRIGHT, Thin
 
@@ -24,6 +24,7 @@ Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 CELL = 0.1, 1.5  # m and spacings; edge of the plan's cells, at least
+COARSE = 0.5  # m, edge of cells by which points are told apart that may be a part's
 TOUCH, DRUM = 0.35, 0.45  # m between two patches of one ceiling in plan at most; where a drum lifts one of them
 PENDENTIVE = 0.8  # m² in plan of what hangs under a drum, and of the dome on it, at least
 RIM, LEVEL_RIM = 0.35, 0.7  # of its mean radius, by which the rim of a dome rises at most, and over that share of it
@@ -82,6 +83,11 @@ class Part:
         found[mine] = own
         return found
 
+    def own(self, laid: Laid) -> NDArray[np.floating]:
+        """Its own of all points of a scan, in their order."""
+        about = laid.about(*self.grid.bounds)
+        return about[self.holds(about)]
+
     def thinned(self, thin: Thin) -> Thin:
         """Its points of a thinned scan; none of the faces of arches."""
         mine = self.holds(thin.points)
@@ -100,6 +106,13 @@ class Parting:
     ceilings: tuple[Ceiling, ...]
     soffits: tuple[Soffit, ...]
     hung: Patches
+
+    def laid(self, xyz: NDArray[np.floating]) -> Laid:
+        """The points (n, 3) [m], as the parts ask for their own."""
+        corners = np.array([ceiling.part.grid.bounds for ceiling in self.ceilings]).reshape(-1, 2, 2)
+        low, high = corners[:, 0].min(axis=0, initial=np.inf), corners[:, 1].max(axis=0, initial=-np.inf)
+        grid = PlanGrid.over(low, high, COARSE) if len(corners) else PlanGrid(np.zeros(2), COARSE, (0, 0))
+        return Laid.over(grid, xyz)
 
     @property
     def is_parted(self) -> bool:

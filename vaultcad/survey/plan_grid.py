@@ -61,3 +61,28 @@ class PlanGrid:
             (near,) = np.nonzero((x > low[0]) & (x < high[0]) & (y > low[1]) & (y < high[1]))
             found[k + near] = beyond[self.numbers(points[k + near])]
         return found
+
+
+@dataclass(frozen=True)
+class Laid:
+    """Points of a scan (n, 3) [m] with the numbers (n,) of the cells they lie over, -1 beyond: asked for many parts."""
+
+    grid: PlanGrid
+    points: NDArray[np.floating]
+    number: NDArray[np.int32]
+
+    @classmethod
+    def over(cls, grid: PlanGrid, points: NDArray[np.floating]) -> Laid:
+        """All these points over a grid."""
+        number = np.empty(len(points), np.int32)
+        for k in range(0, len(points), CHUNK):
+            number[k : k + CHUNK] = grid.numbers(points[k : k + CHUNK])
+        return cls(grid, points, number)
+
+    def about(self, low: Array, high: Array) -> NDArray[np.floating]:
+        """The points over the cells that a rectangle from one corner (2,) to the other [m] touches, in their order."""
+        shape, cell = np.array(self.grid.shape), self.grid.cell
+        (x0, y0), (x1, y1) = (np.floor((end - self.grid.low) / cell).clip(0, shape).astype(int) for end in (low, high))
+        wanted = np.zeros(self.grid.shape, np.bool_)
+        wanted[x0 : x1 + 1, y0 : y1 + 1] = True
+        return self.points[np.flatnonzero(np.append(wanted.ravel(), False)[self.number])]

@@ -125,9 +125,8 @@ def test_walls_stand_on_the_sides_of_the_plan(plan: Plan) -> None:
     assert distance == pytest.approx(plan.distance(xyz[:, :2]), abs=1e-12)
     assert not component.any()
     assert np.linalg.norm(normal, axis=1) == pytest.approx(1.0, abs=1e-12)
-    rows, _ = kernel.deciding(xyz, frame, table, walls)
-    assert (rows < 0).all()
-    assert kernel.to_rows(xyz, frame, table, walls, rows) == pytest.approx(distance, abs=1e-12)
+    none = np.empty((0, *table.shape)), np.empty((0, *walls.shape)), np.empty(0)
+    assert kernel.slopes(xyz, frame, table, walls, *none)[:, :3] == pytest.approx(-normal, abs=1e-12)
     moved = plan.distance(xyz[:, :2] + 1e-6 * normal[:, :2])
     assert np.quantile(np.abs((moved - distance) / 1e-6 - 1), 0.99) < 1e-4
 

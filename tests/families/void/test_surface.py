@@ -2,6 +2,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from families import (
@@ -26,6 +27,8 @@ from families import (
 )
 from families.void import body_table, kernel, profile_distance
 from families.void.sampling import sample
+
+Array = NDArray[np.float64]
 
 # The height of each family's intrados over its plan, written down anew from the textbook formulas.
 
@@ -258,18 +261,42 @@ def test_float32_and_no_points_at_all_are_fine():
 
 
 @pytest.mark.parametrize("cls", FAMILIES, ids=lambda c: c.id)
-def test_the_body_that_decides_a_distance_has_that_distance(cls: type[Vault]) -> None:
-    vault = cls()
-    frame, table = np.eye(3, 4), body_table.pack(vault.pieces(), vault.components)
-    plan = body_table.pack_plan(vault.plan)
-    points = np.random.default_rng(7).uniform(-1.1, 1.1, (4000, 3)) * [vault.plan.half_x, vault.plan.half_y, 3.0]
-    rows, normals = kernel.deciding(points, frame, table, plan)
-    assert rows.max() >= 0
-    assert rows.min() < 0 or all(side.on_wall for side in vault.plan.sides)
-    assert kernel.to_rows(points, frame, table, plan, rows) == pytest.approx(
-        kernel.distances(points, frame, table, plan), abs=1e-12
+def test_slopes_are_those_of_the_distances(cls: type[Vault]) -> None:
+    vault, step = cls(), 1e-6
+    frame, table, plan = (
+        np.eye(3, 4),
+        body_table.pack(vault.pieces(), vault.components),
+        body_table.pack_plan(vault.plan),
     )
-    assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-9)
+    points = np.random.default_rng(7).uniform(-1.1, 1.1, (40_000, 3)) * [vault.plan.half_x, vault.plan.half_y, 3.0]
+    points = points[np.abs(vault.distance(points)) < 0.02]
+    values, names = vault.values(), [p.name for p in vault.parameters() if not p.integer]
+    moved = [
+        vault.replaced({name: values[name] + step}) for name in names if values[name] + step <= high_of(vault, name)
+    ]
+    tables = [(body_table.pack(other.pieces(), other.components), body_table.pack_plan(other.plan)) for other in moved]
+    same = [pair for pair in tables if pair[0].shape == table.shape and pair[1].shape == plan.shape]
+    bodies, outlines = (np.stack([pair[k] for pair in same]) for k in range(2))
+    slopes = kernel.slopes(points, frame, table, plan, bodies, outlines, np.full(len(same), step))
+    assert np.linalg.norm(slopes[:, :3], axis=1) == pytest.approx(1.0, abs=1e-9)
+    here = kernel.distances(points, frame, table, plan)
+    shifted = [points - step * axis for axis in np.eye(3)] + [points @ turned(-step).T]
+    pose = [kernel.distances(there, frame, table, plan) for there in shifted]
+    all_others = np.stack([*pose, *(kernel.distances(points, frame, *pair) for pair in same)], axis=1)
+    off = np.abs((all_others - here[:, None]) / step - slopes)
+    told = (
+        off[:, 4:] if body_table.WEB in table[:, body_table.KIND] else off
+    )  # where distances grow as fast as one goes
+    assert (told < 0.01).mean(axis=0).min() > 0.98  # but where another body decides after the step
+
+
+def high_of(vault: Vault, name: str) -> float:
+    return next(p.range.high for p in vault.parameters() if p.name == name)
+
+
+def turned(yaw: float) -> Array:
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def test_the_distance_to_an_ellipse_holds_near_and_far() -> None:

@@ -59,7 +59,7 @@ def site(pose: Pose, quarter: int) -> Site:
 
 
 def hypothesis(vault: Vault, pose: Pose, score: float) -> Hypothesis:
-    solution = Solution(Placed(vault, pose), (), NOTHING, NOTHING, NOWHERE, True, Freedom(()))
+    solution = Solution(Placed(vault, pose), (), NOWHERE, NOTHING, NOTHING, True, Freedom(()))
     return Hypothesis(solution, Freedom(()), (), 0.0, score, own=True)
 
 

@@ -39,6 +39,16 @@ def test_confidence_is_shared_out_and_never_whole(hypotheses: tuple[Hypothesis, 
     assert confidence(hypotheses[:1]) == [pytest.approx(1.0)]
 
 
+def test_what_begins_where_it_is_known_to_be_comes_to_the_same(hypotheses: tuple[Hypothesis, ...]) -> None:
+    known = [Start((h.solution.placed,), h.kept) for h in hypotheses]
+    families = (Sail, Barrel, Trough)
+    site = site_of(Barrel(4.0, 6.0))
+    again = recognise(site, np.random.default_rng(0), families=families, known=known)
+    assert {h.vault.id for h in again} == {h.vault.id for h in hypotheses}
+    assert again[0].vault.values() == pytest.approx(hypotheses[0].vault.values(), abs=1e-3)
+    assert confidence(again)[0] == pytest.approx(confidence(hypotheses)[0], abs=1e-3)
+
+
 def test_equal_scores_are_equally_likely(hypotheses: tuple[Hypothesis, ...]) -> None:
     twins = [replace(hypotheses[0], score=-100.0), replace(hypotheses[1], score=-100.0)]
     assert confidence(twins) == pytest.approx([0.5, 0.5])

@@ -17,8 +17,9 @@ from vaultcad.pose import Pose
 from vaultcad.scanner import ScannerSettings, draw, scan
 from vaultcad.scanner.building import Arch, Bay, Building, BuildingScan, Place, Style, scan_building
 from vaultcad.scanner.building.rows import beside, in_row
-from vaultcad.survey.parting import Parting, parted
-from vaultcad.survey.patches import patches_of
+from vaultcad.survey.parting import Ceiling, Part, Parting, parted
+from vaultcad.survey.patches import Patches, patches_of
+from vaultcad.survey.plan_grid import PlanGrid
 from vaultcad.survey.soffits import Soffit
 from vaultcad.survey.thinned_scan import Thin, thin_scan
 
@@ -228,3 +229,20 @@ def test_an_arch_that_reaches_no_part_of_a_plan_holds_none_of_its_points():
         reached.append(soffit.reaches(low, high, 0.3))
         assert reached[-1] or not soffit.holds(xy, 0.05, 0.3).any()
     assert 0.2 < np.mean(reached) < 0.9
+
+
+def test_the_own_points_of_a_part_are_found_among_those_about_it() -> None:
+    rng = np.random.default_rng(4)
+    xyz = rng.uniform((-3, -2, 0), (9, 7, 5), (20_000, 3)).astype(np.float32)
+    parts = []
+    for corner in ((0.0, 0.0), (3.3, 1.1), (5.0, -4.0)):
+        grid = PlanGrid(np.array(corner), 0.1, (31, 27))
+        held = rng.random(grid.shape) < 0.7
+        parts.append(Part(grid, held, rng.uniform(0, 2, grid.shape), 4.0, ()))
+    nothing = Patches(np.empty((0, 3)), np.empty((0, 3)), np.empty(0, np.int64), 0.05)
+    ceilings = tuple(Ceiling(np.empty((0, 3)), np.empty(0, np.bool_), 1.0, part) for part in parts)
+    laid = Parting(ceilings, (), nothing).laid(xyz)
+    for part in parts:
+        assert np.array_equal(part.own(laid), xyz[part.holds(xyz)])
+    assert any(len(part.own(laid)) for part in parts)
+    assert len(Parting((), (), nothing).laid(xyz).about(np.zeros(2), np.ones(2))) == 0

@@ -60,8 +60,8 @@ def test_an_end_without_a_wall_is_unsure_in_a_sparse_scan() -> None:
     assert vault.covariance is not None
     names = vault.covariance.names
     solution = Solution(
-        Placed(vault.vault, replace(vault.pose, yaw=0.0)), names, np.zeros(0), np.zeros(0), np.zeros((0, len(names))),
-        True, Freedom(names[4:]),
+        Placed(vault.vault, replace(vault.pose, yaw=0.0)), names, np.zeros((0, 3)), np.zeros(0), np.zeros(0), True,
+        Freedom(names[4:]),
     )  # fmt: skip
     assert not open_ends(solution, (0.0, 0.0)).any()
     along = np.sqrt(np.diag(open_ends(solution, (0.0, 0.2))))
