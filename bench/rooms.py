@@ -16,6 +16,7 @@ from itertools import pairwise
 from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +31,7 @@ from vaultcad.scanner import ScannerSettings, VirtualScan, draw, scan, write_sca
 
 FIRST = 1000  # seed of the first room
 DEFAULT = 100  # rooms
+GIVEN = ("settlement", "noise")  # of the scanner, where the command line says them
 WEAK = 0.9  # mean IoU below which a room is looked at
 BINS = (0.0, 0.5, 0.8, 0.95, 0.99, 1.0)  # of the confidence
 ROOM = (
@@ -88,6 +90,8 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rooms", type=int, default=DEFAULT, help=f"virtual scans (rooms), default {DEFAULT}")
     parser.add_argument("--first", type=int, default=FIRST, help=f"seed of the first of them (rooms), default {FIRST}")
     parser.add_argument("--families", type=names, default=None, help="ids of those over the rooms, with commas between")
+    parser.add_argument("--settlement", type=float, default=None, help="of each room in m, not drawn (rooms)")
+    parser.add_argument("--noise", type=float, default=None, help="of each room in m, not drawn (rooms)")
     parser.add_argument("--workers", type=int, default=1, help="processes (rooms, profiles), default 1")
 
 
@@ -98,8 +102,10 @@ def run(chosen: argparse.Namespace) -> Iterator[Table]:
     settings = {"rooms": chosen.rooms, "points": points, "first seed": chosen.first}
     if chosen.families:
         settings["families"] = ", ".join(families)
+    given = {name: value for name in GIVEN if (value := getattr(chosen, name)) is not None}
+    settings |= given
     outcomes: list[Outcome] = []
-    judged = partial(one, points=points, first=chosen.first, families=families)
+    judged = partial(one, points=points, first=chosen.first, families=families, given=given)
 
     def rows() -> Iterator[tuple[Figure, ...]]:
         with ProcessPoolExecutor(chosen.workers, get_context("spawn")) as pool:
@@ -122,10 +128,13 @@ def names(told: str) -> tuple[str, ...]:
     return tuple(family(name).id for name in told.split(","))
 
 
-def one(k: int, points: int, first: int, families: Sequence[str]) -> Outcome:
-    """The k-th room: drawn, scanned, written, read, fitted, and judged; under one family after the other."""
+def one(k: int, points: int, first: int, families: Sequence[str], given: Mapping[str, float]) -> Outcome:
+    """The k-th room: drawn, scanned, written, read, fitted, and judged; under one family after the other.
+
+    given: settings of the scanner that are not drawn.
+    """
     true, rng = family(families[k % len(families)]), np.random.default_rng(first + k)
-    virtual, settings = _scanned(true, points, rng)
+    virtual, settings = _scanned(true, rng, {"points": points, **given})
     parts = [
         f"{settings.stations} stations" if settings.stations > 1 else "1 station",
         f"noise {1000 * settings.noise:.1f} mm, settled {1000 * settings.settlement:.0f} mm",
@@ -162,12 +171,15 @@ def one(k: int, points: int, first: int, families: Sequence[str]) -> Outcome:
     )
 
 
-def _scanned(true: type[Vault], points: int, rng: np.random.Generator) -> tuple[VirtualScan, ScannerSettings]:
+def _scanned(
+    true: type[Vault], rng: np.random.Generator, given: Mapping[str, Any]
+) -> tuple[VirtualScan, ScannerSettings]:
     """A room under the first vault drawn that can be meshed; OpenCASCADE cannot cut all ellipses."""
     while True:
-        vault, settings = draw(true, rng)
+        vault, drawn = draw(true, rng)
+        settings = replace(drawn, **given)
         with suppress(VaultcadError):
-            return scan(vault, replace(settings, points=points), rng=rng), settings
+            return scan(vault, settings, rng=rng), settings
 
 
 def _told(o: Outcome) -> tuple[Figure, ...]:

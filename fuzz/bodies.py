@@ -19,9 +19,11 @@ Array = NDArray[np.float64]
 Within = Callable[[Array], NDArray[np.bool_]]
 FINE = 5e-4  # [m] between triangles and the surface, and between their edges and a round rim
 COARSE = 5e-3  # [m] likewise of webs, which end in straight lines of the plan, so that no triangle is on two of them
+FLAT_WEBS = 1e-3  # of their rise, no farther
 NARROW = 2e-3  # of half the width of a plan with a round rim, no farther
 AROUND = 4.0  # times that distance, above and below a triangle, within which the surface is looked for first
 RIM = 1e-6  # [m] that the ends of edges may be off a round rim
+WIDER = 2.0  # no splay is wider at its end than so many times the middle, and its stone thicker by as much
 GAUSS = (np.ones((3, 3)) + 3 * np.eye(3)) / 6  # barycentric coordinates of points that integrate degree 2 exactly
 BOX = np.random.default_rng(0).uniform((-1, -1, 0), 1, (400_000, 3))
 
@@ -56,7 +58,9 @@ def stone_of(vault: Vault, thickness: float) -> Within:
 
 def volume_of(vault: Vault, within: Within, thickness: float, points: Array = BOX) -> tuple[float, float]:
     """Volume [m³] by random points, and its standard deviation; domes stand beyond their square by the thickness."""
-    top = max(part.top for piece in vault.pieces() for part in piece.grown(thickness).parts)
+    pieces = vault.pieces()
+    grown = [(new.top, old.top) for p in pieces for new, old in zip(p.grown(thickness).parts, p.parts, strict=True)]
+    top = vault.top + WIDER * max(new - old for new, old in grown)
     size = np.array([*(vault.plan.half + 2 * thickness), top])
     share, whole = float(within(size * points).mean()), 4 * float(size.prod())
     return whole * share, whole * float(np.sqrt(max(share * (1 - share), 1e-5) / len(points)))
@@ -71,7 +75,7 @@ def integral_of(vault: Vault) -> tuple[float, float]:
     """
     plan, fine = vault.plan, FINE
     if any(isinstance(part, Web) for piece in vault.pieces() for part in piece.parts):
-        fine = COARSE
+        fine = min(COARSE, FLAT_WEBS * vault.top)
     rounds = {(side.centre, round(side.radius, 12), side.inside) for side in plan.sides if side.centre is not None}
     if rounds:
         rim = sum(float(np.linalg.norm(row - np.roll(row, 1, axis=0), axis=1).sum()) for row in plan.outlines())

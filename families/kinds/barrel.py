@@ -21,6 +21,7 @@ from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import coarse_arches, drawn_arch
 from families.declaration.vault import Vault
 
+ABREAST = tuple(k / 32 - 1 for k in range(65))  # shares of the half span at which the highest place of an end is sought
 CLEAR = 1.5  # tolerances that a lining is nearer to the axis than an upright wall would be
 LINING, MOSTLY = (
     0.02,
@@ -95,10 +96,20 @@ class Barrel(Vault):
         (x, y), (a, b) = self.axis.origin, self.axis.across
         return float((-self.slope * ((self.corners - (x, y)) @ (-b, a))).max())
 
-    @property
+    @Once
     def top(self) -> float:
-        """The crown at the upper end [m]."""
-        return self.rise + abs(self.slope) * self.length
+        """The highest place of its ends [m], where a ramp has climbed and what splays has grown."""
+        (part,), plan = self.pieces()[0].parts, self.plan
+        assert isinstance(part, BarrelPart)
+        shares = ABREAST if self.skew is not None and (self.slope or self.splay) else (0.0,)
+        heights = []
+        for share, wall in product(shares, (plan.sides[0], plan.sides[2])):
+            across, along = (nx * x + ny * y for nx, ny in (wall.normal,) for x, y in (part.across, part.along))
+            aside = share * part.curve.half_span
+            (x, y), (nx, ny) = part.origin, wall.normal
+            place = (wall.offset - nx * x - ny * y - aside * across) / (along + aside * part.splay * across)
+            heights.append(part.base + part.lift(place) + (1 + part.flare * place) * part.curve.height(abs(aside)))
+        return max(heights)
 
     def pieces(self) -> tuple[Piece, ...]:
         """One barrel."""

@@ -175,10 +175,11 @@ def level_cuts(piece: Piece) -> Iterator[Cut]:
 
 @dataclass(frozen=True, eq=False)
 class Void:
-    """Pieces within their plan, as bodies of roofs."""
+    """Pieces within their plan, as bodies of roofs; from the height `ground` [m] on where they do not stand free."""
 
     pieces: tuple[Piece, ...]
     plan: Plan
+    ground: float = FLOOR
 
     @cached_property
     def bodies(self) -> list[list[Body | WebBody]]:
@@ -234,4 +235,4 @@ class Void:
 
     def foot(self, *, inside: bool) -> float:
         """The height [m] from which the body stands, inside the plan or not."""
-        return FLOOR if inside else min(piece.foot for piece in self.pieces if piece.foot is not None)
+        return self.ground if inside else min(piece.foot for piece in self.pieces if piece.foot is not None)

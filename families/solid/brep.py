@@ -8,11 +8,14 @@ import numpy as np
 from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
 from families.declaration.palette import Colour, colour
+from families.declaration.pieces import BarrelPart, Piece
+from families.declaration.plan import Plan
 from families.declaration.vault import Vault
 from families.solid.bodies import Void
 from families.solid.body import body
 from families.solid.body import surface as laid
 from families.solid.occ.shapes import faces, inner_points
+from families.solid.roofs import FLOOR
 
 if TYPE_CHECKING:
     import build123d
@@ -44,10 +47,21 @@ def masonry(vault: Vault, thickness: float) -> TopoDS_Shape:
     """
     if not thickness > 0:
         raise ValueError(f"thickness = {thickness:g} m must be above 0")
-    pieces = vault.pieces()
-    grown = Void(tuple(piece.grown(thickness) for piece in pieces), vault.plan.grown(thickness))
+    pieces, plan = vault.pieces(), vault.plan.grown(thickness)
+    grown = Void(tuple(piece.grown(thickness) for piece in pieces), plan, _lowest_foot(pieces, plan))
     # What is taken away is not bounded by the plan: the mouths of lunettes stay open.
     return body(grown, Void(pieces, vault.plan))
+
+
+def _lowest_foot(pieces: tuple[Piece, ...], plan: Plan) -> float:
+    """The height [m] on which the stone stands: the springing, or a little below that at the foot of a ramp.
+
+    Where the ends of a ramp are oblique, the walls' outer corners are farther down than the inner ones. Were the stone
+    cut off at the springing there, its arch would end in a sliver that is narrower than any tolerance.
+    """
+    ramps = (part for piece in pieces for part in piece.parts if isinstance(part, BarrelPart) and part.slope)
+    feet = (part.base + part.lift(part.local(x, y)[1]) for part in ramps for x, y in plan.corners.tolist())
+    return min(FLOOR, min(feet, default=FLOOR))
 
 
 def room(vault: Vault) -> build123d.Part:
@@ -117,7 +131,7 @@ def face_names(shape: TopoDS_Shape | build123d.Shape, vault: Vault) -> list[tupl
     found = list(faces(getattr(shape, "wrapped", shape)))
     points = inner_points(found)
     here = vault.evaluate(points)
-    ground = np.abs(points[:, 2]) < EXACT_FACE
+    ground = points[:, 2] < EXACT_FACE
     side = ground | (np.abs(vault.plan.distance(points[:, :2])) < EXACT_FACE)
     # Walls of a stilt stand on the plan's edge and are of the surface; other faces there only come near it, and those
     # below what is free of the plan are the plan's own.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.solid.boundary import Loop, Pole, Step
-from families.solid.curves import Conic, Straight
+from families.solid.curves import Conic, Simple, Straight
 from families.solid.face_net import Net, Patch
 
 Array = NDArray[np.float64]
@@ -96,10 +96,10 @@ def _folded(loop: Loop, dropped: set[int], net: Net) -> Loop:
             before = found[-1]
             path, end = before.path, step.end
             if path is not step.path:
-                if isinstance(path, Straight):
-                    end = path.parameter(step.places[2])
-                elif isinstance(path, Conic):
+                if isinstance(path, Conic) and isinstance(step.path, Conic):
                     end = before.end + (step.end - step.start)
+                elif isinstance(path, Simple):  # of a step that is hardly longer than a vertex, whatever its path
+                    end = path.parameter(step.places[2])
             found[-1] = Step(path, before.start, end)
         else:
             found.append(step)

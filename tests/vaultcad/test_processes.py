@@ -7,7 +7,11 @@ import signal
 
 import pytest
 
+from families import Barrel
 from vaultcad import processes
+from vaultcad.find.no_vault import PartlyError
+from vaultcad.fit.solve import Placed
+from vaultcad.pose import Pose
 from vaultcad.processes import spread
 
 
@@ -25,6 +29,13 @@ def test_what_a_process_raises_is_raised_and_the_next_work_goes_on() -> None:
     with pytest.raises(ValueError, match="three cannot be"):
         list(spread(work, 5))
     assert list(spread(lambda k: k, 3)) == [0, 1, 2]
+
+
+def test_a_refusal_comes_back_with_the_model_that_explains_some_of_it(caplog: pytest.LogCaptureFixture) -> None:
+    model = Placed(Barrel(), Pose(0, 0, 3, 0))
+    told = list(spread(lambda k: PartlyError(f"{k} % of it", model, 0.05), 3))
+    assert [(str(one), one.placed, one.tolerance) for one in told] == [(f"{k} % of it", model, 0.05) for k in range(3)]
+    assert not caplog.messages
 
 
 def test_work_within_work_stays_in_its_process() -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from families.kinds.barrel import Barrel
 from vaultcad.errors import NoVaultError
-from vaultcad.find.found import Found, likeliest_of, tolerance_of
+from vaultcad.find.found import Found, likeliest_of
 from vaultcad.find.likeness import agree, choices_like, starts_like
 from vaultcad.find.recognise import recognise
 from vaultcad.find.refine import refine
@@ -123,7 +123,7 @@ def _barrel(site: Site, rng: np.random.Generator, demands: Demands, like: Found 
     known = starts_like(like, site, (Barrel,)) if like else ()
     hypotheses = recognise(site, rng, families=(Barrel,), demands=demands, known=known)
     refined = refine(hypotheses[0], site, rng, demands=demands, known=like.refined.kept if like else None)
-    found = Found(site, hypotheses, refined, tolerance_of(refined))
+    found = Found(site, hypotheses, refined, refined.tolerance)
     return likeliest_of(found, demands, rng, choices_like(like) if like else ())
 
 

@@ -15,9 +15,6 @@ from vaultcad.fit.freedom import Demands
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.thinned_scan import Site
 
-TOLERANCE = (0.03, 0.12)  # m, limits of the band that a vault's points lie in
-BAND = 4.0  # that band in scatters of the fit
-
 
 @dataclass(frozen=True)
 class Found:
@@ -48,9 +45,4 @@ def likeliest_of(found: Found, demands: Demands, rng: np.random.Generator, known
     """
     choices = weigh(found.refined, demands, rng, known)
     refined = likeliest(found.refined, choices, demands)
-    return replace(found, refined=refined, tolerance=tolerance_of(refined), choices=choices)
-
-
-def tolerance_of(refined: Refined) -> float:
-    """Half of the band that the points of a vault lie in [m]."""
-    return float(np.clip(BAND * refined.scatter, *TOLERANCE))
+    return replace(found, refined=refined, tolerance=refined.tolerance, choices=choices)

@@ -36,6 +36,7 @@ CHOICE_POINTS = 3_000  # points that choices are fitted to
 FIT_STEPS, GAIN = 12, 1e-4  # of their fits at most, and the share of the cost that one must still gain
 NARROWEST = 0.02  # m, scale of their loss
 EDGE, EDGE_SHARE = 0.3, 0.08  # m, and share of the shorter side: stone so near to an edge is rounded, plastered, hidden
+LOST, LOST_POINTS = 0.1, 2  # share of a component's stone, and points, that a fit may lose where no block speaks of it
 FAR, FEW_FAR = 0.06, 0.02  # m off a fit that is far, and the share of the blocks that may be
 RATIO_STEP = 0.015  # of a ratio, to either side, over which distances are compared
 DOUBT = 1.4  # log likelihoods are divided by this, as no settlement is quite such a field
@@ -61,7 +62,8 @@ class Field:
     """The points of a fit, their blocks, and the random field in which these may have moved.
 
     scale: of the loss of fits [m]. usable: (m,) blocks. values, vectors: of the covariances of the field, for each of
-    `LENGTHS`.
+    `LENGTHS`. unheard: (n,) component that a point is of, if blocks say nothing of most of that, else 0. tolerance: of
+    the band in which a component's points lie, to either side [m].
     """
 
     evidence: Evidence
@@ -70,6 +72,8 @@ class Field:
     usable: NDArray[np.bool_]
     values: tuple[Array, ...]
     vectors: tuple[Array, ...]
+    unheard: NDArray[np.int64]
+    tolerance: float
 
     @classmethod
     def of(cls, refined: Refined, rng: np.random.Generator) -> Self | None:
@@ -80,7 +84,8 @@ class Field:
         scale = float(np.clip(4 * refined.scatter, NARROWEST, WIDEST))
         residuals = placed.distance(evidence.points)
         weights = evidence.weights / (1 + (residuals / WIDEST) ** 2) ** 2
-        blocks = Partition.of(placed, evidence.points, weights * ~near_edges(placed, evidence.points))
+        edge = near_edges(placed, evidence.points)
+        blocks = Partition.of(placed, evidence.points, weights * ~edge)
         mean = blocks.means(residuals[:, None])[:, 0]
         filled = blocks.weight > 0
         usable = filled & (np.abs(mean) < OUTLIER * scatter_of(mean[filled]))
@@ -90,12 +95,20 @@ class Field:
         fields = smooth_fields(blocks.place[usable], blocks.normal[usable], plan, rise)
         pairs = [np.linalg.eigh(field) for field in fields]
         values = tuple(np.maximum(pair[0], 0.0) for pair in pairs)
-        return cls(evidence, scale, blocks, usable, values, tuple(pair[1] for pair in pairs))
+        vectors = tuple(pair[1] for pair in pairs)
+        unheard = _mostly(components_at(placed, evidence.points, refined.tolerance), edge)
+        return cls(evidence, scale, blocks, usable, values, vectors, unheard, refined.tolerance)
 
     def near(self, solution: Solution) -> bool:
-        """Whether a fit comes near all stone: what is far from it, no small change of its parameters would reach."""
+        """Whether a fit comes near all stone: what is far from it, no small change of its parameters would reach.
+
+        Nor may it lose that of a component of which blocks say nothing, as of small lunettes: all of it is near edges.
+        """
         residual = self.blocks.means(solution.residuals[:, None])[self.usable, 0]
-        return float((np.abs(residual) > FAR).mean()) < FEW_FAR
+        lost = np.abs(solution.residuals) > self.tolerance
+        whole, gone = np.bincount(self.unheard), np.bincount(self.unheard[lost], minlength=self.unheard.max() + 1)
+        keeps = gone[1:] <= np.maximum(LOST * whole[1:], LOST_POINTS)
+        return float((np.abs(residual) > FAR).mean()) < FEW_FAR and bool(keeps.all())
 
     def log_likelihood(self, solution: Solution, told: Marginal) -> float:
         """Of a fit to this evidence, with its parameters within their ranges, up to a constant that all fits share."""
@@ -207,6 +220,19 @@ def near_edges(placed: Placed, points: Array, reach: float = EDGE) -> NDArray[np
     for way in (along, -along, across, -across):
         near |= faces(placed.vault.evaluate(foot + reach * way, walls=True)) != own
     return near
+
+
+def components_at(placed: Placed, points: Array, tolerance: float) -> NDArray[np.int64]:
+    """Component (n,) within whose band of that half width [m] points (n, 3) [m] lie; 0 off the vault."""
+    surface = placed.vault.evaluate(points, frame=placed.pose.frame(), walls=True)
+    return np.where(np.abs(surface.distance) <= tolerance, surface.component, 0).astype(np.int64)
+
+
+def _mostly(component: NDArray[np.int64], mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Components (n,) of points, those of which less than half are in a mask (n,) set to 0."""
+    whole = np.bincount(component)
+    within = np.bincount(component[mask], minlength=len(whole))
+    return np.where((2 * within > whole)[component], component, 0)
 
 
 def _log_sum(values: Array) -> float:

@@ -12,15 +12,17 @@ right family: it is named, with the doubt; only what is no such vault either is 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp, log
 
 import numpy as np
 from numpy.typing import NDArray
 
+from families import Vault
 from families.declaration.plan import Plan
 from vaultcad.errors import NoVaultError
 from vaultcad.find.refine import Refined
+from vaultcad.find.ridges import Ridges
 from vaultcad.fit.settlement import (
     LENGTHS,
     OUTLIER,
@@ -31,6 +33,9 @@ from vaultcad.fit.settlement import (
     field_likelihood,
     scatter_of,
 )
+from vaultcad.fit.solve import Placed
+from vaultcad.survey.parting import LEVEL_NORMAL
+from vaultcad.survey.thinned_scan import STEEP, Site
 
 Array = NDArray[np.float64]
 
@@ -42,6 +47,9 @@ FEW_FAR = 0.2  # share of the blocks that may be another thing's near the vault
 STRANGE = 0.02  # chance beforehand that a vault is of none of the families
 REFUSED = 0.995  # chance of that from which on there is no model
 DOUBTFUL = 0.2  # chance of that from which on it is said why
+SMALL, SMALL_REFUSED = 4.0, 0.8  # m² of a plan up to which coffers and niches are as frequent; refused from there on
+RIDGED = 0.999  # chance of that where it runs in ridges all over
+BESIDE, SURELY = (0.06, 0.12), 4.5  # shares of what is bent over a plan, off the model, that say nothing; and so much
 ROUGH = 0.15  # chance beforehand that a vault is as rough as what a wrong family leaves
 MIRRORS = np.array([[-1, 1, 1], [1, -1, 1], [-1, -1, 1]])  # of the plan
 BY_CHANCE, BY_SHAPE = (0.2, 0.2), (0.7, 0.25)  # mean and spread of how far residuals are alike in a mirror
@@ -72,12 +80,15 @@ class Misfit:
 
     chance: that it is of none of the families. off: root mean square of the stone's distance, over blocks [m]. waves:
     round the axis, in which most of it runs; 0 if in none. certain: chance likewise, where stone may be rough, too.
+    ridges: in which it runs, as corrugated sheet. beside: share of what is bent over the plan that is no part of it.
     """
 
     chance: float
     off: float
     waves: int = 0
     certain: float = 0.0
+    ridges: Ridges | None = None
+    beside: float = 0.0
 
     @classmethod
     def of(cls, refined: Refined) -> Misfit:
@@ -93,6 +104,8 @@ class Misfit:
         usable = parts.weight > 0
         if usable.sum() < ENOUGH:
             return FITS
+        if ridges := Ridges.of(local[own, :2], distance[own]):
+            return cls(RIDGED, float(np.sqrt(np.mean(distance[own] ** 2))), certain=RIDGED, ridges=ridges)
         usable &= parts.weight > LIGHT * np.median(parts.weight[usable])
         mean = parts.means(distance[:, None])[:, 0]
         far = usable & (np.abs(mean) > OUTLIER * scatter_of(mean[usable]))
@@ -111,11 +124,33 @@ class Misfit:
         off = float(np.sqrt(np.mean(mean[usable] ** 2)))
         return cls(_strange(wrong - right), off, waves, _strange(wrong - rough))
 
+    def with_stone_beside(self, placed: Placed, site: Site) -> Misfit:
+        """The same, of a vault that may be one web of another: then much hangs over its plan that is no part of it.
+
+        What is level there may be a scaffold, or a loft.
+        """
+        frame = placed.pose.frame()
+        local = site.points @ frame[:, :3].T + frame[:, 3]
+        bent = (np.abs(site.normals[:, 2]) > STEEP) & (np.abs(site.normals[:, 2]) < LEVEL_NORMAL)
+        over = bent & (local[:, 2] > 0) & placed.vault.plan.holds(local[:, :2])
+        if over.sum() < ENOUGH:
+            return self
+        share = float((np.abs(placed.distance(site.points[over])) > REACH).mean())
+        if share < BESIDE[0]:
+            return self
+        other = _strange(SURELY * min((share - BESIDE[0]) / (BESIDE[1] - BESIDE[0]), 2.0))
+        return replace(self, chance=1 - (1 - self.chance) * (1 - other), beside=share)
+
     @property
     def reason(self) -> str:
         """Why it may be of none of the families; nothing where that is not likely."""
         if self.chance < DOUBTFUL:
             return ""
+        if self.ridges:
+            apart, deep = 100 * self.ridges.apart, 100 * self.ridges.deep
+            return f"it runs in ridges {apart:.0f} cm apart and {deep:.1f} cm deep, as corrugated sheet does"
+        if self.beside > BESIDE[1]:
+            return f"{self.beside:.0%} of the stone over its plan is more than {100 * REACH:.0f} cm off it"
         waves = f" in {self.waves} waves round the axis" if self.waves else ""
         return f"the stone is {100 * self.off:.1f} cm off it{waves}, more than settlement explains"
 
@@ -124,16 +159,17 @@ FITS = Misfit(0.0, 0.0)
 """Nothing against it."""
 
 
-def refuse_strangers(misfit: Misfit, title: str) -> None:
-    """Refuse a vault of none of the families.
+def refuse_strangers(misfit: Misfit, vault: Vault) -> None:
+    """Refuse a vault of none of the families; a small one sooner, for coffers and niches come in hundreds.
 
-    title: of the nearest.
+    vault: the nearest.
 
     Raises:
         NoVaultError: it is.
     """
-    if misfit.certain > REFUSED:
-        raise NoVaultError(f"no vault found: none of these families: nearest is a {title}, but {misfit.reason}")
+    small = vault.plan.area < SMALL and misfit.chance > SMALL_REFUSED
+    if small or misfit.certain > REFUSED:
+        raise NoVaultError(f"no vault found: none of these families: nearest is a {vault.title}, but {misfit.reason}")
 
 
 def _strange(odds: float) -> float:

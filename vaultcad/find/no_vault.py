@@ -49,6 +49,10 @@ class PartlyError(NoVaultError):
         super().__init__(message)
         self.placed, self.tolerance = placed, tolerance
 
+    def __reduce__(self) -> tuple[type[PartlyError], tuple[str, Placed, float]]:
+        """As it goes to another process."""
+        return type(self), (str(self), self.placed, self.tolerance)
+
 
 def check(refined: Refined, site: Site, tolerance: float) -> None:
     """Refuse what is no vault.

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from families.declaration.constraints import Constraint
 from families.declaration.corners import Skew
+from families.declaration.profiles import as_kind
+from vaultcad.find.identity import is_its_family
 from vaultcad.find.recognise import CLOSE, PAYS, Hypothesis, turned_over
-from vaultcad.fit.evidence import INDEPENDENT, Evidence
+from vaultcad.fit.evidence import INDEPENDENT, NEAR_HYPOTHESES, Evidence
 from vaultcad.fit.freedom import NONE, RECTANGLE, Demands, Freedom
 from vaultcad.fit.solve import Placed, Solution
 from vaultcad.fit.uncertainty import loosened
@@ -24,6 +26,8 @@ FROM_AFAR = (0.3, 0.1)  # m, scales of the loss where corners begin at those of 
 LAST = 1e-9  # share of the cost that a step of the last fit must still gain
 TIGHTEST, WIDEST = 0.004, 0.05  # m, limits of the last loss
 FAINT = 1e-4  # of the cost
+LEFT = 0.2  # share of the stone near a component that is off it, from which on the fit is begun again
+BAND, TOLERANCE = 4.0, (0.03, 0.12)  # scatters, and m: limits of the band that a vault's points lie in
 WALLS = 0.03  # weight of a wall's point in the last fit
 
 
@@ -49,6 +53,11 @@ class Refined:
     def points(self) -> Array:
         """That the solution rests on (n, 3) [m]."""
         return self.evidence.points
+
+    @property
+    def tolerance(self) -> float:
+        """Half of the band that the points of the vault lie in [m]."""
+        return float(np.clip(BAND * self.scatter, *TOLERANCE))
 
     @property
     def loose(self) -> Solution:
@@ -79,6 +88,9 @@ def refine(
         kept = tuple(c for c in weighed if c in (winner.kept if c is RECTANGLE else known))
         weighed = tuple(c for c in weighed if c is RECTANGLE)
     best = fit(start, kept, wide=FROM_AFAR if start.vault.skew else ())
+    if known is None and _leaves_stone(best):
+        best = _begun_again(best, site, rng, demands)
+        fit = _Fit(best.evidence, demands)
     for constraint in weighed:
         trial = fit(*turned_over(best.placed, best.kept, constraint), wide=FROM_AFAR if constraint is RECTANGLE else ())
         more, less = (best, trial) if constraint in best.kept else (trial, best)  # constrained
@@ -97,6 +109,34 @@ def settled(
 ) -> Refined:
     """The last fit to all evidence, from near by, under these constraints; `scatter`: what is known of it [m]."""
     return _Fit(evidence, demands, LAST, 60)(start, kept, scatter)
+
+
+def _leaves_stone(one: Refined) -> bool:
+    """Whether much of what is near to one of its components is not of it, as where a lunette is another than fitted."""
+    surface = one.placed.vault.evaluate(one.points, frame=one.placed.pose.frame(), walls=True)
+    near, off = surface.component, np.abs(surface.distance)
+    most = len(one.placed.vault.components) + 1
+    near = np.where(off < NEAR_HYPOTHESES, near, 0)
+    whole, left = np.bincount(near, minlength=most)[1:], np.bincount(near[off > one.tolerance], minlength=most)[1:]
+    return bool((left > LEFT * whole).any())
+
+
+def _begun_again(one: Refined, site: Site, rng: np.random.Generator, demands: Demands) -> Refined:
+    """The same from afar with none of the family's own constraints, or with another kind of one arch, if that pays."""
+    vault, kept = one.placed.vault, tuple(c for c in one.kept if c is RECTANGLE)
+    arches = [(name, as_kind(kind, arch)) for name, arch in vault.profiles.items() for kind in vault.kinds_for(name)]
+    others = [vault, *(vault.with_arches({name: arch}) for name, arch in arches if arch is not None)]
+    begun = [replace(one.placed, vault=demands.begun(other)) for other in others if demands.suits(other)]
+    every = Evidence.draw(site, FREEDOM_POINTS, rng, demands)
+    begun = [every.solve(start, demands.freedom(start.vault, kept), FROM_AFAR).placed for start in begun]
+    fit = _Fit(Evidence.draw(site, FREEDOM_POINTS, rng, demands, about=[one.placed, *begun]), demands)
+    best = fit(one.placed, one.kept)
+    for start in begun:
+        trial = fit(start, kept)
+        price = (len(trial.solution.names) - len(best.solution.names)) * log(INDEPENDENT)
+        if is_its_family(trial.placed.vault) and demands.met(trial.placed.vault) and fit.gain(best, trial) > price:
+            best = trial
+    return best
 
 
 @dataclass(frozen=True)

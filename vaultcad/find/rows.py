@@ -17,7 +17,7 @@ import numpy as np
 from families.declaration.constraints import Constraint
 from families.declaration.profiles import as_kind
 from vaultcad.find.choices import Choice
-from vaultcad.find.found import Found, tolerance_of
+from vaultcad.find.found import Found
 from vaultcad.find.recognise import Kinds
 from vaultcad.find.refine import settled
 from vaultcad.fit.freedom import BAYS, Demands, decides
@@ -70,7 +70,7 @@ class _Row:
         refined = settled(begun, kept, one.refined.evidence, one.refined.scatter, asked)
         if refined.scatter > WORSE[0] * one.refined.scatter + WORSE[1]:
             return one
-        return replace(one, refined=refined, tolerance=tolerance_of(refined), choices=self._weighed(one), shared=told)
+        return replace(one, refined=refined, tolerance=refined.tolerance, choices=self._weighed(one), shared=told)
 
     def _start(self, one: Found) -> tuple[Placed, tuple[Constraint, ...]]:
         """Where to begin with the arches of the row, and the constraints then kept."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from families import Vault
 from families.kinds.barrel import Barrel
 from vaultcad.errors import NoVaultError, OtherThingError
-from vaultcad.find.found import Found, likeliest_of, tolerance_of
+from vaultcad.find.found import Found, likeliest_of
 from vaultcad.find.likeness import agree, choices_like, starts_like
 from vaultcad.find.misfit import Misfit, refuse_strangers
 from vaultcad.find.no_vault import PartlyError, check, check_bent
@@ -175,9 +175,10 @@ class _Search:
             site = _without(site, ribs)
             hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
             refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
-        found = Found(site, hypotheses, refined, tolerance_of(refined), misfit=Misfit.of(refined))
+        misfit = Misfit.of(refined).with_stone_beside(refined.placed, site)
+        found = Found(site, hypotheses, refined, refined.tolerance, misfit=misfit)
         check(refined, site, found.tolerance)
-        refuse_strangers(found.misfit, found.placed.vault.title)
+        refuse_strangers(found.misfit, found.placed.vault)
         return found
 
     def _settled(self, one: Found, region: Region) -> bool:

@@ -12,8 +12,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from vaultcad.survey.backs import below_backs
 from vaultcad.survey.bays import check_grid
-from vaultcad.survey.patches import Patches, ceilings_of
+from vaultcad.survey.patches import Patches, hung_and_other
 from vaultcad.survey.plan_grid import Laid, PlanGrid
 from vaultcad.survey.soffits import Soffit, soffits_of
 from vaultcad.survey.thinned_scan import UPRIGHT, Thin
@@ -61,13 +62,13 @@ class Ceiling:
 class Part:
     """A part of the plan: the cells that are held (nx, ny).
 
-    bottom, top: heights [m] between which its points lie, the lower one (nx, ny). arches: whose points are not.
+    bottom, top: (nx, ny) heights [m] between which its points lie. arches: whose points are not.
     """
 
     grid: PlanGrid
     held: Mask
     bottom: Array
-    top: float
+    top: Array
     arches: tuple[Soffit, ...]
 
     def holds(self, points: NDArray[np.floating], margin: float = -INNER) -> Mask:
@@ -75,7 +76,8 @@ class Part:
         found = self.grid.holds(self.held, points)
         (mine,) = np.nonzero(found)
         over = points[mine]
-        own = (over[:, 2] > self.bottom.ravel()[self.grid.numbers(over)]) & (over[:, 2] < self.top)
+        cell = self.grid.numbers(over)
+        own = (over[:, 2] > self.bottom.ravel()[cell]) & (over[:, 2] < self.top.ravel()[cell])
         for arch in self.arches:
             own &= ~arch.holds(over, margin, REVEAL)
         found[mine] = own
@@ -124,14 +126,14 @@ def parted(thin: Thin, xyz: NDArray[np.floating]) -> Parting:
     Raises:
         NoVaultError: rooms far from each other are in one scan.
     """
-    patches = ceilings_of(thin)
+    patches, others = hung_and_other(thin)
     if patches.count:
         check_grid(PlanGrid.over(*patches.bounds, CELL[0]).shape, len(thin.points), CELL[0])
     soffits, arches = soffits_of(patches, xyz)
     hung = patches.only(~arches)
     if hung.count == 0:
         return Parting((), soffits, patches)
-    plan = _Plan.of(hung)
+    plan = _Plan.of(hung, others)
     number = plan.ceilings(soffits)
     areas = np.bincount(number, hung.areas)
     chosen = [k for k in np.argsort(-areas, kind="stable").tolist() if areas[k] >= LEAST]
@@ -146,19 +148,23 @@ def parted(thin: Thin, xyz: NDArray[np.floating]) -> Parting:
 
 @dataclass(frozen=True)
 class _Plan:
-    """Patches over the cells of a plan: of each cell and patch over it the mean height [m]; each (k,)."""
+    """Patches over the cells of a plan: of each cell and patch over it the mean height [m]; each (k,).
+
+    others: what hangs over no room.
+    """
 
     patches: Patches
+    others: Patches
     grid: PlanGrid
     column: Ints
     patch: Ints
     height: Array
 
     @classmethod
-    def of(cls, patches: Patches) -> _Plan:
+    def of(cls, patches: Patches, others: Patches) -> _Plan:
         low, high = patches.bounds
         grid = PlanGrid.over(low - AROUND, high + AROUND, max(CELL[0], CELL[1] * patches.spacing))
-        return cls(patches, grid, *patches.over(grid))
+        return cls(patches, others, grid, *patches.over(grid))
 
     def ceilings(self, soffits: tuple[Soffit, ...]) -> Ints:
         """(count,) the ceiling of each patch; soffits part them, and so do the piers at their ends."""
@@ -280,7 +286,8 @@ class _Plan:
             bottom = np.nan_to_num(np.fmax.reduce(below) if below else np.full(grid.shape, np.nan), nan=-np.inf) + ABOVE
             lowest = np.array([[*np.zeros(2), float(self.height[own == k].min())]])
             arches = tuple(one for one in soffits if one.parts(lowest).any() and one.reaches(*grid.bounds, REVEAL))
-            found.append(Part(grid, held, bottom, crown + ABOVE, arches))
+            top = np.minimum(below_backs(tops[k], self.others, grid), crown + ABOVE)
+            found.append(Part(grid, held, bottom, top, arches))
         return found
 
     def _tops(self, own: Ints, k: int) -> tuple[PlanGrid, dict[int, Array]]:

@@ -67,10 +67,11 @@ class Patches:
         return _by_size(self.points[mine], self.normals[mine], self.patch[mine], self.spacing)
 
 
-def ceilings_of(thin: Thin) -> Patches:
-    """The patches of a scan that have a room below them."""
+def hung_and_other(thin: Thin) -> tuple[Patches, Patches]:
+    """The patches of a scan that have a room below them, and those that have none: floors and backs of vaults."""
     patches = patches_of(thin)
-    return patches.only(_has_room_below(patches))
+    hung = _has_room_below(patches)
+    return patches.only(hung), patches.only(~hung)
 
 
 def patches_of(thin: Thin) -> Patches:
@@ -92,7 +93,7 @@ def patches_of(thin: Thin) -> Patches:
     a, b = cKDTree(points).query_pairs(REACH * spacing, output_type="ndarray").T
     apart = points[b] - points[a]
     off = np.maximum(*(np.abs(np.einsum("nc,nc->n", apart, normals[k])) for k in (a, b)))
-    near = off < STEP * spacing
+    near = (off < STEP * spacing) & (np.abs(np.einsum("nc,nc->n", normals[a], normals[b])) > SMOOTH)
     graph = coo_array((np.ones(near.sum(), np.bool_), (a[near], b[near])), shape=(len(points), len(points)))
     _, patch = connected_components(graph, directed=False)
     large = np.bincount(patch)[patch] * spacing**2 > SMALLEST

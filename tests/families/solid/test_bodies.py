@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from families import (
+    Barrel,
     BasketHandle,
     Cloister,
     Dome,
@@ -16,6 +17,7 @@ from families import (
     Lunette,
     Mirror,
     Pointed,
+    Rib,
     Segmental,
     Semicircular,
     Stilted,
@@ -30,6 +32,7 @@ from families.solid.plane_regions import area, regions
 from families.solid.surfaces import Flat
 from families.void.profile_outline import Bow
 from fuzz.bodies import room_of, stone_of, volume_of
+from fuzz.vaults import anywhere
 
 T = 0.15
 
@@ -54,6 +57,9 @@ HARD = [
     Lunette(10.4413, 1.8653, Elliptical(1.0), 8, 0.784, 1.0, 0.441, 0.0, Semicircular()),
     Lunette(5.3903, 9.7568, Elliptical(0.32235), 4, 0.9117, 0.0, 0.9097, 0.095),
     Dome(2.0, BasketHandle(), drum_ratio=0.0, pendentive_ratio=1.2),
+    Rib.drawn(np.random.default_rng(7028)),  # an edge there is hardly longer than a vertex
+    anywhere(Groin, 11),  # there one is shorter than a millimetre
+    anywhere(Barrel, 108),  # a ramp whose outer walls reach below its springing
 ]
 
 

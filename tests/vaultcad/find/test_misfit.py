@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from families import Barrel, Cloister, Groin, Rotunda, Sail, Semicircular, Vault
+from families import Barrel, Cloister, Dome, Groin, Rotunda, Sail, Semicircular, Trough, Vault
 from vaultcad.errors import NoVaultError
 from vaultcad.find.misfit import FITS, REFUSED, Misfit, refuse_strangers
 from vaultcad.find.refine import Refined, settled
@@ -15,6 +15,7 @@ from vaultcad.fit.evidence import Evidence
 from vaultcad.fit.solve import Placed
 from vaultcad.pose import Pose
 from vaultcad.scanner.waves import draw_waves
+from vaultcad.survey.thinned_scan import Site
 
 SETTLED = 0.012  # m, along each axis
 OCTAGON = Cloister(8, 3.0, Semicircular())
@@ -53,7 +54,7 @@ def test_rough_stone_of_the_right_family_is_doubted_but_not_refused(vault: Vault
     misfit = Misfit.of(fitted(vault, vault, rough=0.02))
     assert misfit.certain < 0.4
     assert misfit.certain < misfit.chance
-    refuse_strangers(misfit, vault.title)
+    refuse_strangers(misfit, vault)
 
 
 def test_what_is_wrong_on_both_sides_alike_is_a_stranger() -> None:
@@ -72,10 +73,46 @@ def test_an_octagon_seen_as_a_circle_is_a_stranger_in_eight_waves(octagon_as_cir
 
 
 def test_a_stranger_is_refused_with_the_nearest_and_the_reason(octagon_as_circle: Misfit) -> None:
-    refuse_strangers(FITS, "dome")
-    refuse_strangers(replace(octagon_as_circle, certain=REFUSED), "dome")
-    with pytest.raises(NoVaultError, match=r"none of these families: nearest is a dome, but .* 8 waves"):
-        refuse_strangers(replace(octagon_as_circle, certain=1.0), "dome")
+    refuse_strangers(FITS, Dome())
+    refuse_strangers(replace(octagon_as_circle, certain=REFUSED), Dome())
+    with pytest.raises(NoVaultError, match=r"none of these families: nearest is a dome.*, but .* 8 waves"):
+        refuse_strangers(replace(octagon_as_circle, certain=1.0), Dome())
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_ridges_all_over_are_corrugated_sheet_and_no_masonry(axis: int) -> None:
+    plain = fitted(Barrel(4.0, 6.0), Barrel(4.0, 6.0))
+    wave = np.sin(plain.points[:, axis] * 2 * np.pi / 0.25)
+    for deep, refused in ((0.04, True), (0.008, False)):  # the second are the boards of a centring
+        solution = replace(plain.solution, residuals=plain.solution.residuals + deep / 2 * wave)
+        misfit = Misfit.of(replace(plain, solution=solution))
+        assert (misfit.certain > REFUSED) == refused
+        assert ("ridges 25 cm apart and 3." in misfit.reason) == refused
+
+
+def test_much_stone_beside_a_vault_speaks_against_it() -> None:
+    """The webs of a trough vault are those of a barrel, its heads are not."""
+    trough = Trough(4.0, 6.0)
+    sample = trough.sample(8_000, np.random.default_rng(3))
+    none = np.zeros(2)
+    site = Site(
+        sample.xyz, sample.normals, np.ones(8_000), 0.0, none, none, none > 0, -2.0, 2.0, 0.05, none, np.ones(8_000)
+    )
+    right, wrong = (
+        FITS.with_stone_beside(Placed(vault, Pose(0, 0, 0, 0)), site) for vault in (trough, Barrel(4.0, 6.0))
+    )
+    assert right == FITS
+    assert wrong.chance > 0.5
+    assert wrong.certain == 0.0  # it may be the vault, with something else under it
+    assert "% of the stone over its plan is more than 15 cm off it" in wrong.reason
+
+
+def test_a_small_vault_is_refused_where_a_large_one_is_doubted() -> None:
+    rough = Misfit(chance=0.9, off=0.02, certain=0.5)
+    refuse_strangers(rough, Trough(3.0, 2.5))
+    with pytest.raises(NoVaultError, match="none of these families: nearest is a trough"):
+        refuse_strangers(rough, Trough(1.5, 1.4))
+    refuse_strangers(replace(rough, chance=0.5), Trough(1.5, 1.4))
 
 
 def test_few_points_say_nothing() -> None:

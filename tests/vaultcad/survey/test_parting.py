@@ -18,7 +18,7 @@ from vaultcad.scanner import ScannerSettings, draw, scan
 from vaultcad.scanner.building import Arch, Bay, Building, BuildingScan, Place, Style, scan_building
 from vaultcad.scanner.building.rows import beside, in_row
 from vaultcad.survey.parting import Ceiling, Part, Parting, parted
-from vaultcad.survey.patches import Patches
+from vaultcad.survey.patches import Patches, patches_of
 from vaultcad.survey.plan_grid import PlanGrid
 from vaultcad.survey.soffits import Soffit
 from vaultcad.survey.thinned_scan import Thin, thin_scan
@@ -128,6 +128,34 @@ def test_a_lintel_does_not_join_the_vaults_of_two_rooms(high: float) -> None:
     assert sorted(np.sign(ceiling.points[:, 0]).mean() for ceiling in found) == [-1.0, 1.0]
 
 
+def test_the_back_of_a_vault_is_none_of_its_part() -> None:
+    """A barrel along y, its back 0.2 m above, which an attic under a level roof shows."""
+    turn, along = (part.ravel() for part in np.meshgrid(np.arange(0.1, np.pi - 0.1, 0.02), np.arange(-3, 3, 0.05)))
+    facing = np.column_stack([np.cos(turn), np.zeros(turn.size), np.sin(turn)])
+    face, back = (r * facing + np.column_stack([np.zeros(turn.size), along, np.full(turn.size, 3)]) for r in (2.0, 2.2))
+    roof = np.stack(np.meshgrid(np.arange(-2.5, 2.5, 0.05), np.arange(-3, 3, 0.05), [7.5]), -1).reshape(-1, 3)
+    points = np.concatenate([face, back, roof])
+    normals = np.concatenate([facing, facing, np.tile([0.0, 0.0, 1.0], (len(roof), 1))])
+    found = parted(Thin(points, normals, np.ones(len(points)), 0.05), points.astype(np.float32)).ceilings
+    vault = next(one for one in found if one.points[:, 2].max() < 6)
+    assert vault.part.holds(face).mean() > 0.97
+    over = np.abs(back[:, 0]) < 1.9
+    assert vault.part.holds(back)[over].mean() < 0.03
+
+
+def test_a_crease_parts_patches_and_a_bend_does_not() -> None:
+    """Two planes that meet at 25°, and a cylinder that turns by 84°."""
+    xy = np.random.default_rng(5).uniform(-2, 2, (8_000, 2))
+
+    def patches(slant: np.ndarray, height: np.ndarray) -> int:
+        facing = np.column_stack([np.sin(slant), np.zeros(len(xy)), np.cos(slant)])
+        return patches_of(Thin(np.column_stack([xy, height]), facing, np.ones(len(xy)), 0.05)).count
+
+    turn = np.radians(12.5)
+    assert patches(turn * np.sign(xy[:, 0]), -np.abs(xy[:, 0]) * np.tan(turn)) == 2
+    assert patches(np.arcsin(xy[:, 0] / 3), np.sqrt(9 - xy[:, 0] ** 2)) == 1
+
+
 def test_windows_between_a_nave_and_its_aisle_do_not_join_them() -> None:
     """A bay of the nave's barrel along y, the head of a window in its wall below, and under that a barrel along x."""
     turn, along = np.meshgrid(np.arange(0.2, np.pi - 0.2, 0.0125), np.arange(-2.5, 2.5, 0.05))
@@ -210,7 +238,7 @@ def test_the_own_points_of_a_part_are_found_among_those_about_it() -> None:
     for corner in ((0.0, 0.0), (3.3, 1.1), (5.0, -4.0)):
         grid = PlanGrid(np.array(corner), 0.1, (31, 27))
         held = rng.random(grid.shape) < 0.7
-        parts.append(Part(grid, held, rng.uniform(0, 2, grid.shape), 4.0, ()))
+        parts.append(Part(grid, held, rng.uniform(0, 2, grid.shape), rng.uniform(3, 5, grid.shape), ()))
     nothing = Patches(np.empty((0, 3)), np.empty((0, 3)), np.empty(0, np.int64), 0.05)
     ceilings = tuple(Ceiling(np.empty((0, 3)), np.empty(0, np.bool_), 1.0, part) for part in parts)
     laid = Parting(ceilings, (), nothing).laid(xyz)
