@@ -27,7 +27,6 @@ Kinds = tuple[type[Profile], ...]
 
 PAYS = 10.0  # by so much the score must fall for that
 TRIED = 3  # starts of a variant of a family along an axis, unless it is a supple one
-STEPS = 8  # of a fit with a narrow loss, at each of its scales
 COARSE, MIDDLE, FINE = 0.15, 0.1, 0.05  # m, scales of the loss
 FLOOR = 2e-3  # m; below this no scanner tells two models apart
 CLOSE = 1e-3  # share of the cost that a step must still gain
@@ -110,10 +109,7 @@ def recognise(
     scale = _scale(rough[int(np.argmin(costs))], telling)
     judge = _Judge(telling, scale, demands)
     if known:
-        costs = [telling.cost(placed, scale) for placed in simple]
-        enough = HOPELESS * _least(simple, costs)
-        steps = [STEPS if cost <= enough else 0 for cost in costs]  # what was fitted to alike stone is near its best
-        fitted = [judge.of(p, start.kept, n) for p, start, n in zip(simple, known, steps, strict=True)]
+        fitted = [judge.of(placed, start.kept) for placed, start in zip(simple, known, strict=True)]
         close = min(h.score for h in fitted) + RIVAL
         fitted = [judge.best_variant(h) if h.score < close else h for h in fitted]
     else:
@@ -232,11 +228,11 @@ class _Judge:
     scale: float
     demands: Demands
 
-    def of(self, placed: Placed, kept: Sequence[Constraint] | None = None, steps: int = STEPS) -> Hypothesis:
-        """Fitted in so many steps, and scored by Schwarz's criterion on the residuals that say something new."""
+    def of(self, placed: Placed, kept: Sequence[Constraint] | None = None) -> Hypothesis:
+        """Fitted, and scored by Schwarz's criterion on the residuals that say something new."""
         kept = self.demands.begun_with(placed.vault) if kept is None else tuple(kept)
         free = self.demands.freedom(placed.vault, kept)
-        solution = self.evidence.solve(placed, free, (2 * self.scale, self.scale), most=steps, gain=CLOSE)
+        solution = self.evidence.solve(placed, free, (2 * self.scale, self.scale), most=8, gain=CLOSE)
         cost = self.evidence.cost(solution.placed, self.scale)
         integers = sum(p.integer for p in placed.vault.parameters())
         likelihood = INDEPENDENT * log(cost + (FLOOR / self.scale) ** 2)

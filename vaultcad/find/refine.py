@@ -24,7 +24,6 @@ Array = NDArray[np.float64]
 FREEDOM_POINTS, FIT_POINTS = 5_000, 20_000  # to choose what is free, and to fit that
 FROM_AFAR = (0.3, 0.1)  # m, scales of the loss where corners begin at those of a rectangle
 LAST = 1e-9  # share of the cost that a step of the last fit must still gain
-ROUNDS, SAME_SCALE = 4, 0.005  # of the loss narrowed; share of its scale, by which one more would tell nothing
 TIGHTEST, WIDEST = 0.004, 0.05  # m, limits of the last loss
 FAINT = 1e-4  # of the cost
 LEFT = 0.2  # share of the stone near a component that is off it, from which on the fit is begun again
@@ -157,14 +156,11 @@ class _Fit:
         wide: scales of the loss with which to begin if it is not.
         """
         free = self.demands.freedom(start.vault, kept)
-        last = 0.0
-        for k in range(ROUNDS):
+        for k in range(4):
             scale = float(np.clip(4 * scatter, TIGHTEST, WIDEST))
-            if abs(scale - last) < SAME_SCALE * scale:
-                break
             scales = (scale,) if k else (*wide, scale)
             solution = self.evidence.solve(start, free, scales, most=self.most, gain=self.close)
-            start, scatter, last = solution.placed, _scatter(solution, self.evidence.weights), scale
+            start, scatter = solution.placed, _scatter(solution, self.evidence.weights)
         loosest = self.demands.freedom(solution.placed.vault, [c for c in kept if c.rare])
         return Refined(solution, self.evidence, scatter, tuple(kept), loosest)
 

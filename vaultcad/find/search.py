@@ -16,8 +16,8 @@ from vaultcad.find.found import Found, likeliest_of
 from vaultcad.find.likeness import agree, choices_like, starts_like
 from vaultcad.find.misfit import Misfit, refuse_strangers
 from vaultcad.find.no_vault import PartlyError, check, check_bent
-from vaultcad.find.recognise import Hypothesis, recognise
-from vaultcad.find.refine import Refined, refine
+from vaultcad.find.recognise import recognise
+from vaultcad.find.refine import refine
 from vaultcad.find.ribs import SeenRib, ribs_under
 from vaultcad.fit.freedom import NONE, Demands
 from vaultcad.fit.label import label
@@ -166,23 +166,20 @@ class _Search:
         """
         site = _under_its_ceiling(find_site(thin, xyz), thin)
         check_bent(site)
-        hypotheses, refined = self._recognised(site)
+        known = starts_like(self.like, site, self.families) if self.like else ()
+        hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands, known=known)
+        same = self.like is not None and type(hypotheses[0].vault) is type(self.like.placed.vault)
+        kept = self.like.refined.kept if self.like and same else None
+        refined = refine(hypotheses[0], site, self.rng, demands=self.demands, known=kept)
         if ribs := ribs_under(refined.placed, site.points):  # which pull the webs down, and hide what they are
             site = _without(site, ribs)
-            hypotheses, refined = self._recognised(site)
+            hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
+            refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
         misfit = Misfit.of(refined).with_stone_beside(refined.placed, site)
         found = Found(site, hypotheses, refined, refined.tolerance, misfit=misfit)
         check(refined, site, found.tolerance)
         refuse_strangers(found.misfit, found.placed.vault)
         return found
-
-    def _recognised(self, site: Site) -> tuple[tuple[Hypothesis, ...], Refined]:
-        """What may stand over a site, and the likeliest of that; begun from what it is to be like, if there is one."""
-        known = starts_like(self.like, site, self.families) if self.like else ()
-        hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands, known=known)
-        same = self.like is not None and type(hypotheses[0].vault) is type(self.like.placed.vault)
-        kept = self.like.refined.kept if self.like and same else None
-        return hypotheses, refine(hypotheses[0], site, self.rng, demands=self.demands, known=kept)
 
     def _settled(self, one: Found, region: Region) -> bool:
         """Whether one vault explains so much of a region that its bays need not be tried."""

@@ -7,20 +7,14 @@ import pytest
 
 from families import Groin, Mirror, Pointed, Rib
 from families.declaration.ribs import DIAGONAL, WALL
-from segmentation.cloud import Cloud
-from vaultcad.find import search
 from vaultcad.find.arches import FoundArch
 from vaultcad.find.findings import told_apart
 from vaultcad.find.found import Found
-from vaultcad.find.recognise import recognise
 from vaultcad.find.ribs import ribs_under
-from vaultcad.fit.freedom import NONE
 from vaultcad.fit.solve import Placed
-from vaultcad.one_thread import one_thread
 from vaultcad.pose import Pose
 from vaultcad.scanner import ScannerSettings, scan
 from vaultcad.survey.soffits import Soffit
-from vaultcad.survey.thinned_scan import thin_scan
 
 BARE = ScannerSettings(points=200_000, noise=0.003, settlement=0.02)
 VAULTS = (Groin(5, 5), Rib(4.5, 5, Pointed(0.75), Pointed(0.68)))
@@ -45,24 +39,6 @@ def test_ribs_are_found_with_their_section(vault):
         assert abs(rib.soffit.width - width) < 3 * rib.soffit.width_std < 0.12
     own = virtual.xyz[virtual.arch > 0]
     assert np.any([rib.holds(own) for rib in found], axis=0).mean() > 0.9
-
-
-@one_thread
-def test_what_is_like_a_ribbed_bay_begins_there_with_its_ribs_seen(monkeypatch):
-    _, virtual = under(VAULTS[0], rib_width=0.25, rib_depth=0.2, rib_kinds=("diagonal",))
-    cloud = Cloud(virtual.xyz.astype(np.float32))
-    thin, rng = thin_scan(cloud), np.random.default_rng(0)
-    (first,) = search.under_one_ceiling(thin, cloud.xyz, (Groin,), rng, NONE, single=True)
-    begun = []
-
-    def recognised(*args, known, **others):
-        begun.append(len(known))
-        return recognise(*args, known=known, **others)
-
-    monkeypatch.setattr(search, "recognise", recognised)
-    (again,) = search.under_one_ceiling(thin, cloud.xyz, (Groin,), rng, NONE, single=True, like=first)
-    assert begun == [1, 1]  # with the ribs and without them
-    assert again.placed.vault.values() == pytest.approx(first.placed.vault.values(), abs=0.004)
 
 
 @pytest.mark.parametrize("vault", VAULTS, ids=lambda vault: vault.id)

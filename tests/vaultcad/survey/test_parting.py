@@ -238,7 +238,7 @@ def test_the_own_points_of_a_part_are_found_among_those_about_it() -> None:
     for corner in ((0.0, 0.0), (3.3, 1.1), (5.0, -4.0)):
         grid = PlanGrid(np.array(corner), 0.1, (31, 27))
         held = rng.random(grid.shape) < 0.7
-        parts.append(Part(grid, held, rng.uniform(0, 2, grid.shape), 4.0, ()))
+        parts.append(Part(grid, held, rng.uniform(0, 2, grid.shape), rng.uniform(3, 5, grid.shape), ()))
     nothing = Patches(np.empty((0, 3)), np.empty((0, 3)), np.empty(0, np.int64), 0.05)
     ceilings = tuple(Ceiling(np.empty((0, 3)), np.empty(0, np.bool_), 1.0, part) for part in parts)
     laid = Parting(ceilings, (), nothing).laid(xyz)
