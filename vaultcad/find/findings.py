@@ -102,7 +102,7 @@ def find_vaults(
     if not vaults:  # holes and scaffolds can part what is one
         whole = under_one_ceiling(thin, xyz, families, rng, demands, single=True)
         return _ribbed(whole, arches, parting.hung, thin, xyz, rng)
-    _check_share(vaults, ceilings)
+    vaults = _weighed_by_share(vaults, ceilings)
     return _ribbed(learned(vaults, demands), arches, parting.hung, thin, xyz, rng)
 
 
@@ -225,17 +225,20 @@ def _check_bent(ceiling: Ceiling) -> None:
         )
 
 
-def _check_share(vaults: Sequence[Found], ceilings: Sequence[Ceiling]) -> None:
-    """Refuse vaults that explain little of what hangs in a scan and is not level.
+def _weighed_by_share(vaults: Sequence[Found], ceilings: Sequence[Ceiling]) -> list[Found]:
+    """The vaults, doubted where they explain little of what hangs in a scan and is not level.
 
     Raises:
-        NoVaultError: they do.
+        NoVaultError: they explain so little that they are no vaults.
     """
     bent = np.concatenate([ceiling.points[~ceiling.level] for ceiling in ceilings])
-    on = label(bent, [(one.placed, one.tolerance) for one in vaults]).vault > 0
-    if len(bent) and on.mean() < SHARE:
+    if not len(bent):
+        return list(vaults)
+    share = float((label(bent, [(one.placed, one.tolerance) for one in vaults]).vault > 0).mean())
+    if share < SHARE:
         titles = ", ".join(dict.fromkeys(one.placed.vault.called for one in vaults))
         raise NoVaultError(
-            f"no vault found: {titles} is near, but explains {on.mean():.0%} of what is bent over the rooms of the "
+            f"no vault found: {titles} is near, but explains {share:.0%} of what is bent over the rooms of the "
             "scan; crop it to the vault"
         )
+    return [replace(one, misfit=one.misfit.with_share(share)) for one in vaults]

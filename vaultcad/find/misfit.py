@@ -50,6 +50,8 @@ DOUBTFUL = 0.2  # chance of that from which on it is said why
 SMALL, SMALL_REFUSED = 4.0, 0.8  # m² of a plan up to which coffers and niches are as frequent; refused from there on
 RIDGED = 0.999  # chance of that where it runs in ridges all over
 BESIDE, SURELY = (0.06, 0.12), 4.5  # shares of what is bent over a plan, off the model, that say nothing; and so much
+QUARTER, HALF = 0.25, 0.5  # shares of what is bent in a scan; where that is explained, this may be parts of the rest
+MOST_LEFT = 0.8  # chance of that where no more than a quarter is explained; nought from a half on
 ROUGH = 0.15  # chance beforehand that a vault is as rough as what a wrong family leaves
 MIRRORS = np.array([[-1, 1, 1], [1, -1, 1], [-1, -1, 1]])  # of the plan
 BY_CHANCE, BY_SHAPE = (0.2, 0.2), (0.7, 0.25)  # mean and spread of how far residuals are alike in a mirror
@@ -81,6 +83,7 @@ class Misfit:
     chance: that it is of none of the families. off: root mean square of the stone's distance, over blocks [m]. waves:
     round the axis, in which most of it runs; 0 if in none. certain: chance likewise, where stone may be rough, too.
     ridges: in which it runs, as corrugated sheet. beside: share of what is bent over the plan that is no part of it.
+    share: of what is bent over all rooms of the scan, that all its vaults explain.
     """
 
     chance: float
@@ -89,6 +92,7 @@ class Misfit:
     certain: float = 0.0
     ridges: Ridges | None = None
     beside: float = 0.0
+    share: float = 1.0
 
     @classmethod
     def of(cls, refined: Refined) -> Misfit:
@@ -141,6 +145,14 @@ class Misfit:
         other = _strange(SURELY * min((share - BESIDE[0]) / (BESIDE[1] - BESIDE[0]), 2.0))
         return replace(self, chance=1 - (1 - self.chance) * (1 - other), beside=share)
 
+    def with_share(self, share: float) -> Misfit:
+        """The same, of vaults that together explain that share of what is bent over the rooms of a scan.
+
+        Where most is left, what was found may be parts of what was not.
+        """
+        other = MOST_LEFT * min(max((HALF - share) / (HALF - QUARTER), 0.0), 1.0)
+        return replace(self, chance=1 - (1 - self.chance) * (1 - other), share=share)
+
     @property
     def reason(self) -> str:
         """Why it may be of none of the families; nothing where that is not likely."""
@@ -151,6 +163,8 @@ class Misfit:
             return f"it runs in ridges {apart:.0f} cm apart and {deep:.1f} cm deep, as corrugated sheet does"
         if self.beside > BESIDE[1]:
             return f"{self.beside:.0%} of the stone over its plan is more than {100 * REACH:.0f} cm off it"
+        if self.share < HALF:
+            return f"{1 - self.share:.0%} of what is bent over the rooms of the scan is not explained"
         waves = f" in {self.waves} waves round the axis" if self.waves else ""
         return f"the stone is {100 * self.off:.1f} cm off it{waves}, more than settlement explains"
 

@@ -57,6 +57,16 @@ def test_rough_stone_of_the_right_family_is_doubted_but_not_refused(vault: Vault
     refuse_strangers(misfit, vault)
 
 
+def test_vaults_that_explain_less_than_half_of_a_scan_are_doubted_the_more_the_less_it_is() -> None:
+    doubted = [FITS.with_share(share) for share in (1.0, 0.5, 0.45, 0.35, 0.26, 0.1)]
+    chances = [misfit.chance for misfit in doubted]
+    assert chances == sorted(chances)
+    assert chances[1] == 0.0
+    assert chances[-1] < 1.0
+    assert doubted[3].reason == "65% of what is bent over the rooms of the scan is not explained"
+    assert not doubted[0].reason
+
+
 def test_what_is_wrong_on_both_sides_alike_is_a_stranger() -> None:
     misfit = Misfit.of(fitted(Sail(5.0, 4.0, 0.8), Groin(5.0, 4.0)))
     assert misfit.chance > misfit.certain > 0.9
