@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from vaultcad.survey.backs import below_backs
 from vaultcad.survey.bays import check_grid
+from vaultcad.survey.dome_rims import is_dome
 from vaultcad.survey.patches import Patches, hung_and_other
 from vaultcad.survey.plan_grid import Laid, PlanGrid
 from vaultcad.survey.soffits import Soffit, soffits_of
@@ -27,9 +28,6 @@ CELL = 0.1, 1.5  # m and spacings; edge of the plan's cells, at least
 COARSE = 0.5  # m, edge of cells by which points are told apart that may be a part's
 TOUCH, DRUM = 0.35, 0.45  # m between two patches of one ceiling in plan at most; where a drum lifts one of them
 PENDENTIVE = 0.8  # m² in plan of what hangs under a drum, and of the dome on it, at least
-RIM, LEVEL_RIM = 0.35, 0.7  # of its mean radius, by which the rim of a dome rises at most, and over that share of it
-COMPACT = 0.5  # area of a dome in plan / that of a circle about all of it, at least
-CREASE = 4  # cells, of creases and oculi that are no rim
 DRUM_STEEP = 0.5  # mean |nz| of a part of a drum at most
 LINTEL = 0.7  # share of a patch that is level, from which on it bears no drum, and is a lintel if it is small
 CONTACT = 15  # pairs of cells, one of either patch, that touch: a few where only corners do
@@ -241,30 +239,13 @@ class _Plan:
         if level.mean() >= LINTEL or np.median(touching) < np.median(under):
             return False
         is_drum = np.abs(self._normals(group == upper)).mean() < DRUM_STEEP
-        return bool(is_drum) or self._is_dome(group == upper)
+        cells = np.column_stack(np.divmod(mine, self.grid.shape[1]))
+        return bool(is_drum) or is_dome(cells, self.height[group == upper], self.grid.cell)
 
     def _normals(self, mine: Mask) -> Array:
         """The upward parts (n,) of the normals of a group, by its mask over the cells."""
         upward: Array = self.patches.normals[np.isin(self.patches.patch, self.patch[mine]), 2]
         return upward
-
-    def _is_dome(self, mine: Mask) -> bool:
-        """Whether a group, by its mask over the cells, is about as long as wide and ends at one height, as domes do.
-
-        The bays of a nave do not, which has windows below its barrel, and under these the vaults of its aisles; heads
-        of windows are long.
-        """
-        from scipy.ndimage import binary_closing, binary_erosion, binary_fill_holes
-
-        at = np.column_stack(np.divmod(self.column[mine], self.grid.shape[1]))
-        at += 1 + CREASE - at.min(axis=0)
-        held = np.zeros(at.max(axis=0) + 2 + CREASE, np.bool_)
-        held[tuple(at.T)] = True
-        held = binary_fill_holes(binary_closing(held, iterations=CREASE))  # no patch lies over a crease between webs
-        radius = np.sqrt(held.sum() / np.pi)
-        rim = self.height[mine][~binary_erosion(held)[tuple(at.T)]]
-        level = (rim - np.quantile(rim, 0.02) < RIM * radius * self.grid.cell).mean() > LEVEL_RIM
-        return bool(level and radius**2 > COMPACT * ((at - at.mean(axis=0)) ** 2).sum(axis=1).max())
 
     def parts(self, ceilings: list[Mask], soffits: tuple[Soffit, ...]) -> list[Part]:
         """The part of each ceiling, told by masks (count,) of patches: where it is the nearest one of its storey."""
