@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from families.drawing.deviation_colours import STOPS
 from vaultcad.dxf_document import Layer
 
 
@@ -36,8 +37,8 @@ INKS: dict[str, Ink] = {
     "PIERS": Ink(Layer(7, "CONTINUOUS", 35), "#111111"),
     "GROINS": Ink(Layer(8, "DASHED", 18), "#444444", DASHES),  # overhead: where components meet
     "CONTOURS": Ink(Layer(30, "CONTINUOUS", 9), "#b3763a"),  # of equal height of the intrados
-    "INTO-STONE": Ink(Layer(1, "CONTINUOUS", 13), "#b2182b"),  # lines of one deviation on the unrolled intrados
-    "INTO-ROOM": Ink(Layer(5, "CONTINUOUS", 13), "#2166ac"),
+    "INTO-STONE": Ink(Layer(1, "CONTINUOUS", 13), STOPS[-1][1].hex),  # lines of one deviation on the unrolled intrados
+    "INTO-ROOM": Ink(Layer(5, "CONTINUOUS", 13), STOPS[0][1].hex),
     "CUTTING": Ink(Layer(1, "DASHDOT", 25), "#9c2f2f", DASH_DOTS),  # where sections are
     "SPRINGING": Ink(Layer(8, "DASHDOT", 13), "#444444", DASH_DOTS),  # and other levels
     "CENTRES": Ink(Layer(4, "CONTINUOUS", 13), "#2b6f77"),  # of arcs, with their radii
