@@ -6,26 +6,21 @@ one from side to side, or three from a point inside. Any other cell is halved fi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from families.declaration.plan_sides import Vector
-from families.declaration.units import MM
 from families.solid.curves import Spline
-from families.solid.heights import WIDTH, change, height_at, heights, shown, shown_at, sole, stray, trace
+from families.solid.heights import WIDTH, change, height_at, heights, shown, shown_at, sole, trace
+from families.solid.laid_curves import laid
 from families.solid.plan_cells import EIGHTHS, SAME_PLACE, Cell, Cut, Ground, Part
 from families.solid.roofs import Roof
-from families.solid.splines import DEGREE, spread
 
 Array = NDArray[np.float64]
 SAME_HEIGHT = 1e-7  # [m], heights nearer than that are one
-LOOKED = np.linspace(0, 1, 257)  # where a curve is looked at before it is laid
-NODES = 49, 97, 193, 385  # places through which it is laid, so many that it is near enough
-NEAR_ENOUGH = 2e-8  # [m] that it may be off the surfaces between these
-ONE_PLACE = 1e-12  # [m], places of a curve nearer than that are one
 INWARDS = 1e-3  # [m] beside an edge on which two roofs are as high all along, where it is looked which shows
 HALVED = 14  # times that a cell may be halved
 EDGE_SHARES = (1 - np.cos(np.pi * (np.arange(24) + 0.5) / 24)) / 2
@@ -332,35 +327,6 @@ class _Outline:
             return None
         found = float(place[0]), float(place[1])
         return found if self.cell.within(place[:1], place[1:])[0] else None
-
-
-def laid(points: Callable[[Array], Array], roofs: Array, row: int) -> Spline | None:
-    """A curve [mm] on a roof, by its points (n, 3) [m] at shares (n,) of it; None where it cannot be followed.
-
-    It is laid through so many that it is near enough to the roof between them.
-    """
-    there = points(LOOKED)
-    if np.isnan(there).any():
-        return None
-    for count in NODES:
-        nodes = points(spread(there, LOOKED, count))
-        if np.isnan(nodes).any():
-            return None
-        nodes = _distinct(nodes)
-        spline = Spline.through(MM * nodes)
-        between = spline.points((spline.nodes[1:] + spline.nodes[:-1]) / 2) / MM
-        if stray(between, roofs, row) < NEAR_ENOUGH:
-            break
-    return spline
-
-
-def _distinct(nodes: Array) -> Array:
-    """Places (n, 3) [m] but for those at the next one; evenly along the chord where too few are left for a spline.
-
-    Lines that end where a roof stands upright may be shorter than a millimetre.
-    """
-    kept = nodes[np.append(np.abs(np.diff(nodes, axis=0)).max(axis=1) > ONE_PLACE, True)]
-    return kept if len(kept) > DEGREE else np.linspace(nodes[0], nodes[-1], DEGREE + 1)
 
 
 def _ahead(part: Part, start: float, end: float) -> bool:

@@ -16,9 +16,10 @@ from families.declaration.plan_sides import Vector
 from families.declaration.units import MM
 from families.solid.bodies import Void
 from families.solid.boundary import Loop, Pole, Step
-from families.solid.envelope import SAME_HEIGHT, Line, Skin, laid
+from families.solid.envelope import SAME_HEIGHT, Line, Skin
 from families.solid.face_net import ONE, Net, Patch, near
 from families.solid.heights import between, change, shown
+from families.solid.laid_curves import laid
 from families.solid.plan_cells import Ground, Part, Way
 from families.solid.plane_regions import regions
 from families.solid.roofs import Plane, Roof

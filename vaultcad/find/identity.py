@@ -25,7 +25,6 @@ def shows_its_family(placed: Placed, points: NDArray[np.float64], near: float) -
     """
     if not is_its_family(placed.vault) or len(placed.vault.components) == 1:
         return is_its_family(placed.vault)
-    frame = placed.pose.frame()
-    here = placed.vault.evaluate(points @ frame[:, :3].T + frame[:, 3])
+    here = placed.vault.evaluate(points, frame=placed.pose.frame())
     counts = np.bincount(here.component[(here.component > 0) & (np.abs(here.distance) < near)], minlength=1)
     return bool(counts.max() <= (1 - SHOWN) * counts.sum())

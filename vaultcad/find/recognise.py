@@ -115,7 +115,7 @@ def recognise(
     else:
         costs = [telling.cost(placed, scale) for placed in simple]
         least = _least(simple, costs)
-        fitted = [judge.as_far(placed, c / least, HOPELESS * least) for placed, c in zip(simple, costs, strict=True)]
+        fitted = [judge.as_far(placed, cost, least) for placed, cost in zip(simple, costs, strict=True)]
         nearest = min((h.cost for h in fitted), default=inf)
         fitted += [judge.within(placed, nearest) for placed in supple]
     rivals = [] if known else _rivals(fitted)  # where a site looks like this one, the arches are those that it has
@@ -249,15 +249,15 @@ class _Judge:
         one = self.of(placed)
         return self.best_variant(one) if one.cost < most else one
 
-    def as_far(self, placed: Placed, excess: float, most: float) -> Hypothesis:
-        """The best variant, if the cost with the best kinds of arches is less than `most`.
+    def as_far(self, placed: Placed, cost: float, least: float) -> Hypothesis:
+        """The best variant, unless the family is hopeless with the best kinds of arches, too.
 
-        excess: its cost as it stands over that of the best family.
+        cost: its own as it stands. least: that of the best family.
         """
-        one = self.of(placed)
-        if HOPELESS < excess < ARCHED:
+        one, enough = self.of(placed), HOPELESS * least
+        if enough < cost < ARCHED * least:
             one = self.best_profiles(one)
-        return self.best_variant(one) if excess <= HOPELESS or one.cost < most else one
+        return self.best_variant(one) if cost <= enough or one.cost < enough else one
 
     def best_variant(self, begun: Hypothesis) -> Hypothesis:
         """The fit with the most likely kind of profile in each place, and with the constraints that cost little."""
