@@ -49,7 +49,7 @@ class Freedom:
     @property
     def lengths(self) -> tuple[_Made, ...]:
         """Those that are given."""
-        return tuple(tie for tie in self.ties if isinstance(tie, _Made))
+        return tuple(dict.fromkeys(tie for tie in self.ties if isinstance(tie, _Made)))
 
 
 @dataclass(frozen=True)
@@ -141,16 +141,19 @@ class Demands:
         own, lengths, sizes = vault.values(), decides(type(vault)), self.of(type(vault))
         values = {name: value for name, value in sizes.items() if name in own}
         made = [name for name in lengths if name in sizes and name not in own]
-        ties: list[Tie] = [_Made(name, sizes[name]) for name in made]
+        given: list[Tie] = [_Made(name, sizes[name]) for name in made]
+        following: list[Tie] = []
         taken = {*values, *(lengths[name] for name in made)}
         for constraint in kept:
             decided = constraint.holds(vault)
             if decided and not taken & set(decided):
                 taken |= set(decided)
                 values |= constraint.values
-                ties += [constraint.follows] if constraint.follows else []
+                following += [constraint.follows] if constraint.follows else []
         names = tuple(p.name for p in vault.parameters() if not p.integer and p.name not in taken)
-        return Freedom(names, values, tuple(ties), {"yaw": 0.0, **self.pose} if vault.plan.turns else self.pose)
+        # What follows may hang on a length that is given, and that on what follows: coves on the narrower of them.
+        ties = (*given, *following, *given) if following else tuple(given)
+        return Freedom(names, values, ties, {"yaw": 0.0, **self.pose} if vault.plan.turns else self.pose)
 
     def keepable(self, vault: Vault) -> tuple[Constraint, ...]:
         """The constraints of a vault that nobody has let go; not the rectangle where nobody may."""

@@ -107,5 +107,19 @@ def test_a_length_that_is_given_is_met_where_the_stone_draws_other_sizes_beyond_
     assert robust_cost(found.residuals, 0.3).mean() < 0.95 * robust_cost(start.distance(points), 0.3).mean()
 
 
+@pytest.mark.parametrize("run_y", [0.3, 0.4, 0.44, 0.6])
+def test_what_is_given_holds_beside_what_follows(run_y: float) -> None:
+    """Coves rise by a share of the narrower, and by a constraint all are as wide as those along x."""
+    vault = Mirror(4.0, 4.5, 0.5, run_y, rise_ratio=0.8, plane_ratio=0.7)
+    demands = Demands({"cove_rise": 0.7, "rise": 0.45})
+    equal = [one for one in vault.constraints if one.name == "equal-coves"]
+    free = demands.freedom(vault, equal)
+    for share in (0.45, 0.5, 0.55):
+        made = free.settled(vault, {"run_x_ratio": share})
+        assert demands.met(made)
+        assert free.reaches(made)
+        assert made.derived_values()["run_x"] == pytest.approx(made.derived_values()["run_y"])
+
+
 def test_a_size_that_no_near_guess_can_have_has_none() -> None:
     assert Demands({"rise": 5.0}).within_reach(Barrel(4.0, 5.0, Segmental(0.3))) is None
