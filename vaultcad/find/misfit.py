@@ -35,7 +35,7 @@ from vaultcad.fit.settlement import (
 )
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.parting import LEVEL_NORMAL
-from vaultcad.survey.thinned_scan import STEEP, Site
+from vaultcad.survey.thinned_scan import STEEP, Site, support
 
 Array = NDArray[np.float64]
 
@@ -131,8 +131,7 @@ class Misfit:
     def with_stone_beside(self, placed: Placed, site: Site) -> Misfit:
         """The same, of a vault that may be one web of another: then much hangs over its plan that is no part of it.
 
-        What is level there may be a scaffold, or a loft. Strays between edges and what is behind them are seen in many
-        places of a dense scan, but by single points: places count by their points, up to as many as most have.
+        What is level there may be a scaffold, or a loft.
         """
         frame = placed.pose.frame()
         local = site.points @ frame[:, :3].T + frame[:, 3]
@@ -140,8 +139,8 @@ class Misfit:
         over = bent & (local[:, 2] > 0) & placed.vault.plan.holds(local[:, :2])
         if over.sum() < ENOUGH:
             return self
-        counted = np.minimum(site.counts[over] / np.median(site.counts[over]), 1.0)
-        share = float(np.average(np.abs(placed.distance(site.points[over])) > REACH, weights=counted))
+        off = np.abs(placed.distance(site.points[over])) > REACH
+        share = float(np.average(off, weights=support(site.counts[over])))
         return replace(self, chance=1 - (1 - self.chance) * (1 - _one_web(share)), beside=share)
 
     def with_share(self, share: float) -> Misfit:
