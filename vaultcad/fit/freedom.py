@@ -11,6 +11,7 @@ from families.declaration.constraints import Constraint
 from families.declaration.profiles import as_kind
 
 EXACT_SIZE = 1e-6  # of sizes that are fixed
+REACHED = 1e-9  # m, of lengths that ties make: far less than the steps of finite differences change them
 CHANGES = tuple(sign * k / 50 for k in range(1, 11) for sign in (-1, 1))
 """Shares by which a first guess of a size may be changed for the sake of a length that is fixed: guesses are rough."""
 Tie = Callable[[Vault], Mapping[str, float]]
@@ -183,7 +184,7 @@ class _Made:
 
     def made(self, vault: Vault) -> bool:
         """Whether a vault has it."""
-        return abs(float(getattr(vault, self.name)) - self.length) < EXACT_SIZE
+        return abs(float(getattr(vault, self.name)) - self.length) < REACHED
 
     def __call__(self, vault: Vault) -> Mapping[str, float]:
         from scipy.optimize import brentq

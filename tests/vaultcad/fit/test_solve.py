@@ -10,6 +10,7 @@ import pytest
 from families import Barrel, Groin, Mirror, Pointed, Rib, Rotunda, Segmental, Vault
 from vaultcad.fit.freedom import Demands
 from vaultcad.fit.solve import Placed, Solution, robust_cost, solve
+from vaultcad.fit.uncertainty import slopes_of_distances
 from vaultcad.pose import Pose
 
 TRUTH = Placed(Groin(4.2, 4.6, Segmental(0.4), Segmental(0.36)), Pose(1.0, -2.0, 3.0, 0.3))
@@ -119,6 +120,19 @@ def test_what_is_given_holds_beside_what_follows(run_y: float) -> None:
         assert demands.met(made)
         assert free.reaches(made)
         assert made.derived_values()["run_x"] == pytest.approx(made.derived_values()["run_y"])
+
+
+def test_slopes_are_told_one_way_where_the_other_would_change_a_length_that_is_given() -> None:
+    vault = Rotunda(2.0, Pointed(0.5))  # no wider one has its rise
+    free = Demands({"rise": 2.0}).freedom(vault)
+    points = vault.sample(300, rng=np.random.default_rng(3)).xyz
+    placed = Placed(vault, Pose(0.0, 0.0, 0.0, 0.0))
+    found = solve(placed, points, np.ones(300), free, (0.1,), most=1)
+    slopes = slopes_of_distances(replace(found, placed=placed), points)[:, found.names.index("radius")]
+    less = free.settled(vault, {"radius": 2.0 - 1e-5})
+    assert less.derived_values()["rise"] == pytest.approx(2.0)
+    told = (placed.distance(points) - Placed(less, placed.pose).distance(points)) / 1e-5
+    assert slopes == pytest.approx(told, abs=1e-3)
 
 
 def test_a_size_that_no_near_guess_can_have_has_none() -> None:
