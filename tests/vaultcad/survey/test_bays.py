@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -32,6 +33,7 @@ SCENES: dict[str, tuple[Bay, ...]] = {
 }
 
 
+@cache
 def scanned(bays: tuple[Bay, ...]) -> SceneScan:
     return scan_bays(bays, yaw=0.4, rng=np.random.default_rng(5))
 
