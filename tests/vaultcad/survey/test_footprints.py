@@ -8,10 +8,26 @@ from math import pi, remainder
 import numpy as np
 import pytest
 
-from families import Annular, Barrel, Cloister, Conch, Dome, Groin, Pointed, Rotunda, Sail, Segmental, Trough, Vault
+from families import (
+    FAMILIES,
+    Annular,
+    Barrel,
+    Cloister,
+    Conch,
+    Dome,
+    Groin,
+    Pointed,
+    Rotunda,
+    Sail,
+    Segmental,
+    Trough,
+    Vault,
+)
 from families.declaration.footprint import DISC, HALF_DISC, POLYGON, RECTANGLE, SECTOR
 from segmentation import compare
 from segmentation.cloud import Cloud
+from vaultcad.find.findings import find_vaults
+from vaultcad.fit.label import label
 from vaultcad.pipeline import FitSettings, fit_scan
 from vaultcad.pose import Pose
 from vaultcad.scanner import ScannerSettings, VirtualScan, scan
@@ -83,11 +99,13 @@ def test_normals_tell_footprint_place_and_turn(vault: Vault, shapes: set[str]) -
 )
 def test_a_vault_over_other_ground_is_recognised(vault: Vault, settings: ScannerSettings) -> None:
     virtual = scanned(vault, settings)
-    result = fit_scan(Cloud(virtual.xyz.astype(np.float32)))
-    (fitted,) = result.model.vaults
-    assert type(fitted.vault) is type(vault)
-    assert compare(result.labels.component, virtual.component).mean_iou > 0.95
-    assert fitted.vault.values() == pytest.approx(vault.values(), abs=0.06)
+    xyz = virtual.xyz.astype(np.float32)
+    (found,) = find_vaults(thin_scan(Cloud(xyz)), xyz, FAMILIES, np.random.default_rng(0)).vaults
+    fitted = found.placed.vault
+    assert type(fitted) is type(vault)
+    labels = label(xyz, [(found.placed, found.tolerance)])
+    assert compare(labels.component, virtual.component).mean_iou > 0.95
+    assert fitted.values() == pytest.approx(vault.values(), abs=0.06)
 
 
 @pytest.mark.parametrize("vault", [Trough(), Annular(5.5, 0.5, 2.3)], ids=lambda vault: vault.id)
