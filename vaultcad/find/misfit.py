@@ -35,7 +35,7 @@ from vaultcad.fit.settlement import (
 )
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.parting import LEVEL_NORMAL
-from vaultcad.survey.thinned_scan import STEEP, Site
+from vaultcad.survey.thinned_scan import STEEP, Site, support
 
 Array = NDArray[np.float64]
 
@@ -139,19 +139,16 @@ class Misfit:
         over = bent & (local[:, 2] > 0) & placed.vault.plan.holds(local[:, :2])
         if over.sum() < ENOUGH:
             return self
-        share = float((np.abs(placed.distance(site.points[over])) > REACH).mean())
-        if share < BESIDE[0]:
-            return self
-        other = _strange(SURELY * min((share - BESIDE[0]) / (BESIDE[1] - BESIDE[0]), 2.0))
-        return replace(self, chance=1 - (1 - self.chance) * (1 - other), beside=share)
+        off = np.abs(placed.distance(site.points[over])) > REACH
+        share = float(np.average(off, weights=support(site.counts[over])))
+        return replace(self, chance=1 - (1 - self.chance) * (1 - _one_web(share)), beside=share)
 
     def with_share(self, share: float) -> Misfit:
         """The same, of vaults that together explain that share of what is bent over the rooms of a scan.
 
         Where most is left, what was found may be parts of what was not.
         """
-        other = MOST_LEFT * min(max((HALF - share) / (HALF - QUARTER), 0.0), 1.0)
-        return replace(self, chance=1 - (1 - self.chance) * (1 - other), share=share)
+        return replace(self, chance=1 - (1 - self.chance) * (1 - _part_of_more(share)), share=share)
 
     @property
     def reason(self) -> str:
@@ -161,9 +158,9 @@ class Misfit:
         if self.ridges:
             apart, deep = 100 * self.ridges.apart, 100 * self.ridges.deep
             return f"it runs in ridges {apart:.0f} cm apart and {deep:.1f} cm deep, as corrugated sheet does"
-        if self.beside > BESIDE[1]:
+        if _one_web(self.beside) > DOUBTFUL:
             return f"{self.beside:.0%} of the stone over its plan is more than {100 * REACH:.0f} cm off it"
-        if self.share < HALF:
+        if _part_of_more(self.share) > DOUBTFUL:
             return f"{1 - self.share:.0%} of what is bent over the rooms of the scan is not explained"
         waves = f" in {self.waves} waves round the axis" if self.waves else ""
         return f"the stone is {100 * self.off:.1f} cm off it{waves}, more than settlement explains"
@@ -184,6 +181,18 @@ def refuse_strangers(misfit: Misfit, vault: Vault) -> None:
     small = vault.plan.area < SMALL and misfit.chance > SMALL_REFUSED
     if small or misfit.certain > REFUSED:
         raise NoVaultError(f"no vault found: none of these families: nearest is a {vault.title}, but {misfit.reason}")
+
+
+def _one_web(beside: float) -> float:
+    """Chance that a vault is one web of another, of whose bent stone over the plan that share is no part of it."""
+    if beside < BESIDE[0]:
+        return 0.0
+    return _strange(SURELY * min((beside - BESIDE[0]) / (BESIDE[1] - BESIDE[0]), 2.0))
+
+
+def _part_of_more(share: float) -> float:
+    """Chance that what was found are parts of what was not, as they explain that share of what is bent in a scan."""
+    return MOST_LEFT * min(max((HALF - share) / (HALF - QUARTER), 0.0), 1.0)
 
 
 def _strange(odds: float) -> float:

@@ -117,6 +117,20 @@ def test_much_stone_beside_a_vault_speaks_against_it() -> None:
     assert "% of the stone over its plan is more than 15 cm off it" in wrong.reason
 
 
+def test_strays_of_a_dense_scan_are_no_stone_beside() -> None:
+    """A place on the stone holds many points, one on the way from an edge to what is behind it a few."""
+    rng, trough, none = np.random.default_rng(3), Trough(4.0, 6.0), np.zeros(2)
+    sample = trough.sample(8_000, rng)
+    strays = np.column_stack([rng.uniform(-1, 1, 1_500), rng.uniform(-2, 2, 1_500), rng.uniform(0.1, 0.5, 1_500)])
+    points = np.concatenate([sample.xyz, strays])
+    normals = np.concatenate([sample.normals, np.tile([0.6, 0.0, 0.8], (1_500, 1))])
+    counts = np.where(np.arange(9_500) < 8_000, 20.0, 1.0)
+    site = Site(points, normals, np.ones(9_500), 0.0, none, none, none > 0, -2.0, 2.0, 0.05, none, counts)
+    assert FITS.with_stone_beside(Placed(trough, Pose(0, 0, 0, 0)), site).reason == ""
+    even = replace(site, counts=np.ones(9_500))
+    assert "of the stone over its plan" in FITS.with_stone_beside(Placed(trough, Pose(0, 0, 0, 0)), even).reason
+
+
 def test_a_small_vault_is_refused_where_a_large_one_is_doubted() -> None:
     rough = Misfit(chance=0.9, off=0.02, certain=0.5)
     refuse_strangers(rough, Trough(3.0, 2.5))
