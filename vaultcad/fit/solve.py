@@ -113,7 +113,7 @@ def solve(
             moved = False
             while damping < 1e6:
                 step = _step(hessian, gradient, damping, ~resting)
-                trial = np.clip(x + step, low, high)
+                trial = np.minimum(np.maximum(x + step, low), high)
                 new = _placed(start, free, trial)
                 if free.reaches(placed.vault) and not free.reaches(new.vault):
                     trial, leaning = _within_reach(start, free, x, trial)
@@ -138,10 +138,11 @@ def solve(
 
 def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool_]) -> Array:
     step = np.zeros_like(gradient)
-    h = hessian[np.ix_(free, free)]
-    diagonal = np.diag(h) + 1e-12 * max(float(np.diag(h).max(initial=0.0)), 1e-12)
-    step[free] = -np.linalg.solve(h + np.diag(damping * diagonal + 1e-15), gradient[free])
-    return np.clip(step, -LONGEST_STEP, LONGEST_STEP)
+    h = hessian[free][:, free]
+    diagonal = h.diagonal() + 1e-12 * max(float(h.diagonal().max(initial=0.0)), 1e-12)
+    h.flat[:: len(h) + 1] += damping * diagonal + 1e-15
+    step[free] = -np.linalg.solve(h, gradient[free])
+    return np.minimum(np.maximum(step, -LONGEST_STEP), LONGEST_STEP)  # as `np.clip`, in a fifth of its time
 
 
 def _within_reach(start: Placed, free: Freedom, x: Array, trial: Array) -> tuple[Array, Array]:
@@ -174,7 +175,7 @@ def _jacobian(placed: Placed, free: Freedom, points: Array) -> Array:
     x, (_, high) = _vector(placed, free), _bounds(placed.vault, free, -np.inf)
     frame, table, plan = placed.packed
     count = len(free.names)
-    moved, outlines = np.tile(table, (count, 1, 1)), np.tile(plan, (count, 1, 1))
+    moved, outlines = np.repeat(table[None], count, axis=0), np.repeat(plan[None], count, axis=0)
     steps = np.where(x + DIFFERENCE <= high, DIFFERENCE, -DIFFERENCE)[len(POSE) :]
     others: list[tuple[int, Array, Array]] = []
     for k, step in enumerate(steps.tolist()):
