@@ -42,8 +42,7 @@ def half_arches(arch: Profile, ratio: Array, *, steep: bool) -> tuple[Array, Arr
         middle, weight = _pairs(1.0, size**2 / (2 * ratio)), ratio / size
     else:
         middle, weight = _pairs(size**2 / 2, ratio), 1 / size
-    one = np.ones_like(ratio)
-    return np.stack([crown, middle, foot], axis=1), np.stack([one, weight, one], axis=1)
+    return _rows(crown, middle, foot), _rows(1.0, weight, 1.0, count=len(ratio))
 
 
 def _two_arcs(ratio: Array, haunch: float, crown: Array, foot: Array) -> tuple[Array, Array]:
@@ -53,15 +52,22 @@ def _two_arcs(ratio: Array, haunch: float, crown: Array, foot: Array) -> tuple[A
     size = np.hypot(across, up)
     joint = _pairs(large * across / size, ratio - large + large * up / size)
     tops, sides = across / (size + up), up / (size + across)  # tangents of a quarter of what either arc turns by
-    one = np.ones_like(ratio)
-    poles = [crown, _pairs(large * tops, ratio), joint, _pairs(1.0, small * sides), foot]
-    return np.stack(poles, axis=1), np.stack(
-        [one, 1 / np.sqrt(1 + tops**2), one, 1 / np.sqrt(1 + sides**2), one], axis=1
-    )
+    poles = crown, _pairs(large * tops, ratio), joint, _pairs(1.0, small * sides), foot
+    weights = 1.0, 1 / np.sqrt(1 + tops**2), 1.0, 1 / np.sqrt(1 + sides**2), 1.0
+    return _rows(*poles), _rows(*weights, count=len(ratio))
 
 
 def _pairs(u: Array | float, z: Array) -> Array:
-    return np.stack([np.broadcast_to(u, z.shape), z], axis=1)
+    return _rows(u, z, count=len(z))
+
+
+def _rows(*columns: Array | float, count: int = 0) -> Array:
+    """Columns, (n,) or (n, k) or `count` times a number, side by side, as `np.stack` puts them, but at once."""
+    first = np.asarray(columns[0])
+    found = np.empty((count or len(first), len(columns), *first.shape[1:]))
+    for k, column in enumerate(columns):
+        found[:, k] = column
+    return found
 
 
 def arch_parameters(poles: Array, weights: Array, places: Array) -> Array:

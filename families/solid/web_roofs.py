@@ -6,7 +6,7 @@ diagonals, by which they are smooth enough for splines.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -102,10 +102,14 @@ class WebFrame:
         places = np.linspace(0, 1, LOOKS + 1)[1:]
         for limit in (1.0, webs.FLAT):  # steep, and level
 
-            def miss(v: float, limit: float = limit) -> float:
-                return float(webs.web_arch_rises(np.array([v]), bare)[0]) - limit * v * half
+            def misses(v: Array, limit: float = limit) -> Array:
+                rises: Array = webs.web_arch_rises(v, bare)
+                return rises - limit * v * half
 
-            values = np.array([miss(v) for v in places.tolist()])
+            def miss(v: float, misses: Callable[[Array], Array] = misses) -> float:
+                return float(misses(np.array([v]))[0])
+
+            values = misses(places)
             values[np.abs(values) < STRAIGHT] = 0.0
             for k in np.flatnonzero(values[:-1] * values[1:] < 0).tolist():
                 found.add(float(brentq(miss, places[k], places[k + 1], xtol=1e-14)))
