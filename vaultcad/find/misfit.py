@@ -6,8 +6,8 @@ roughness: what settlement and plaster leave of the right family, and what a wro
 breaks where edges of the model are not the stone's. The odds are the ratio of marginal likelihoods (Jeffreys 1961).
 
 Old rubble and thick plaster leave as much as a wrong family does, but here and there, while a family that is wrong is
-mostly wrong on both sides alike, or all round. What does not repeat itself in a mirror may be a rough vault of the
-right family: it is named, with the doubt; only what is no such vault either is refused.
+wrong on both sides alike, or all round: in the mirrors of the plan its residuals repeat themselves, or their negative,
+as those of a ramp do. What does not is a rough vault of the right family, and that is the third hypothesis.
 """
 
 from __future__ import annotations
@@ -50,12 +50,15 @@ DOUBTFUL = 0.2  # chance of that from which on it is said why
 SMALL, SMALL_REFUSED = 4.0, 0.8  # m² of a plan up to which coffers and niches are as frequent; refused from there on
 RIDGED = 0.999  # chance of that where it runs in ridges all over
 BESIDE, SURELY = (0.06, 0.12), 4.5  # shares of what is bent over a plan, off the model, that say nothing; and so much
+IN_POCKETS = 0.0, 0.1, 0.5  # chance of that where stone goes back behind a vault in no place, one, and more
+COLUMN = 0.25  # m, edge of the plan's cells in which a vault is seen or not
 QUARTER, HALF = 0.25, 0.5  # shares of what is bent in a scan; where that is explained, this may be parts of the rest
 MOST_LEFT = 0.8  # chance of that where no more than a quarter is explained; nought from a half on
-ROUGH = 0.15  # chance beforehand that a vault is as rough as what a wrong family leaves
+ROUGH = 0.3  # chance beforehand that a vault is as rough as what a wrong family leaves
 MIRRORS = np.array([[-1, 1, 1], [1, -1, 1], [-1, -1, 1]])  # of the plan
-BY_CHANCE, BY_SHAPE = (0.2, 0.2), (0.7, 0.25)  # mean and spread of how far residuals are alike in a mirror
-# Set by hand, then looked at on six vaults with waves of 8 to 25 mm and ten seen as another family (29 November 2026).
+BY_CHANCE, BY_SHAPE = (0.3, 0.13), (0.75, 0.2)  # mean and spread of how far residuals are alike in the mirrors
+# Set by hand on nine vaults of other hands and six virtual rooms, with waves of 6 to 25 mm: 0.20 to 0.45; and on four
+# rooms seen as another family: 0.78 to 0.87 (30 November 2026).
 MOST_ODDS = log(10.0)  # of chance, that such a correlation can tell
 WAVES, OF_VARIANCE = range(3, 13), 0.4  # round an axis, and the share of the residuals from which on they are named
 
@@ -81,9 +84,10 @@ class Misfit:
     """What the stone says against the best model.
 
     chance: that it is of none of the families. off: root mean square of the stone's distance, over blocks [m]. waves:
-    round the axis, in which most of it runs; 0 if in none. certain: chance likewise, where stone may be rough, too.
+    round the axis, in which most of it runs; 0 if in none. certain: chance likewise, by the vault's own stone alone.
     ridges: in which it runs, as corrugated sheet. beside: share of what is bent over the plan that is no part of it.
-    share: of what is bent over all rooms of the scan, that all its vaults explain.
+    pockets: places in which stone goes back behind it. share: of what is bent over all rooms of the scan, that all its
+    vaults explain.
     """
 
     chance: float
@@ -92,6 +96,7 @@ class Misfit:
     certain: float = 0.0
     ridges: Ridges | None = None
     beside: float = 0.0
+    pockets: int = 0
     share: float = 1.0
 
     @classmethod
@@ -125,25 +130,35 @@ class Misfit:
         waves = _waves(parts.place[usable], mean[usable], plan)
         alike = 1.0 if waves else _alike(parts.place[usable], mean[usable], plan)
         rough = float(np.logaddexp(right, wrong + log(ROUGH) + _log_odds_of_chance(alike)))
-        off = float(np.sqrt(np.mean(mean[usable] ** 2)))
-        return cls(_strange(wrong - right), off, waves, _strange(wrong - rough))
+        chance, off = _strange(wrong - rough), float(np.sqrt(np.mean(mean[usable] ** 2)))
+        return cls(chance, off, waves, chance)
 
     def with_stone_beside(self, placed: Placed, site: Site) -> Misfit:
         """The same, of a vault that may be one web of another: then much hangs over its plan that is no part of it.
 
-        What is level there may be a scaffold, or a loft.
+        What is level there may be a scaffold, or a loft; and where the vault is seen over or under it, it is no stone
+        of that, but a lamp, a tie rod or the wall of a window.
         """
         frame = placed.pose.frame()
         local = site.points @ frame[:, :3].T + frame[:, 3]
         bent = (np.abs(site.normals[:, 2]) > STEEP) & (np.abs(site.normals[:, 2]) < LEVEL_NORMAL)
-        over = bent & (local[:, 2] > 0) & placed.vault.plan.holds(local[:, :2])
-        if over.sum() < ENOUGH:
+        over = (local[:, 2] > 0) & placed.vault.plan.holds(local[:, :2])
+        if (over & bent).sum() < ENOUGH:
             return self
-        share = float((np.abs(placed.distance(site.points[over])) > REACH).mean())
+        cell = np.floor(local[over, :2] / COLUMN).astype(np.int64)
+        column = np.unique(cell, axis=0, return_inverse=True)[1].ravel()
+        on = np.abs(placed.distance(site.points[over])) < REACH
+        shown = np.bincount(column, on & (np.abs(site.normals[over, 2]) > STEEP)) > 0
+        share = float((~on & ~shown[column])[bent[over]].mean())
         if share < BESIDE[0]:
             return self
         other = _strange(SURELY * min((share - BESIDE[0]) / (BESIDE[1] - BESIDE[0]), 2.0))
         return replace(self, chance=1 - (1 - self.chance) * (1 - other), beside=share)
+
+    def with_pockets(self, pockets: int) -> Misfit:
+        """The same, where stone goes back behind the vault in so many places: one may be a door's, several lunettes'."""
+        other = IN_POCKETS[min(pockets, len(IN_POCKETS) - 1)]
+        return replace(self, chance=1 - (1 - self.chance) * (1 - other), pockets=pockets)
 
     def with_share(self, share: float) -> Misfit:
         """The same, of vaults that together explain that share of what is bent over the rooms of a scan.
@@ -163,6 +178,8 @@ class Misfit:
             return f"it runs in ridges {apart:.0f} cm apart and {deep:.1f} cm deep, as corrugated sheet does"
         if self.beside > BESIDE[1]:
             return f"{self.beside:.0%} of the stone over its plan is more than {100 * REACH:.0f} cm off it"
+        if self.pockets > 1:
+            return f"the stone goes back behind it in {self.pockets} places, as lunettes do that it does not have"
         if self.share < HALF:
             return f"{1 - self.share:.0%} of what is bent over the rooms of the scan is not explained"
         waves = f" in {self.waves} waves round the axis" if self.waves else ""
@@ -203,9 +220,9 @@ def _waves(place: Array, residual: Array, plan: Plan) -> int:
 
 
 def _alike(place: Array, residual: Array, plan: Plan) -> float:
-    """Correlation of the residuals (m,) of blocks at (m, 3) with those in a mirror of the plan, or turned by half.
+    """How far the residuals (m,) of blocks at (m, 3) are those in the mirrors of the plan and turned by half, 0 to 1.
 
-    The largest of the three: a family that is wrong is seldom so in one place alone.
+    The mean size of the three correlations: a family that is wrong is seldom so in one place alone.
     """
     from scipy.spatial import cKDTree
 
@@ -219,8 +236,9 @@ def _alike(place: Array, residual: Array, plan: Plan) -> float:
         both = np.flatnonzero(away < near)
         here, there = left[both], left[other[both]]
         power = max(float(np.sqrt((here**2).sum() * (there**2).sum())), 1e-12)
-        found.append(float((here * there).sum()) / power if len(both) > ENOUGH / 2 else 1.0)
-    return max(found)
+        if len(both) > ENOUGH / 2:
+            found.append(abs(float((here * there).sum())) / power)
+    return float(np.mean(found)) if found else 1.0
 
 
 def _log_odds_of_chance(alike: float) -> float:

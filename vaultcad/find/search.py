@@ -16,6 +16,7 @@ from vaultcad.find.found import Found, likeliest_of
 from vaultcad.find.likeness import agree, choices_like, starts_like
 from vaultcad.find.misfit import Misfit, refuse_strangers
 from vaultcad.find.no_vault import PartlyError, check, check_bent
+from vaultcad.find.pockets import pockets_behind
 from vaultcad.find.recognise import recognise
 from vaultcad.find.refine import refine
 from vaultcad.find.ribs import SeenRib, ribs_under
@@ -35,6 +36,7 @@ IN_WALL, SHORT = 1.25, 0.6  # m; share of its span; barrels less long are of arc
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
+CONTINUED = 0.1  # m that the stone of one vault is off another, were that longer, at most where it goes on
 FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
 
 
@@ -176,6 +178,7 @@ class _Search:
             hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
             refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
         misfit = Misfit.of(refined).with_stone_beside(refined.placed, site)
+        misfit = misfit.with_pockets(pockets_behind(refined.placed, site))
         found = Found(site, hypotheses, refined, refined.tolerance, misfit=misfit)
         check(refined, site, found.tolerance)
         refuse_strangers(found.misfit, found.placed.vault)
@@ -189,16 +192,24 @@ class _Search:
     def _beside(self, region: Region, bands: Bands) -> list[Found]:
         """The vaults of a region that no valley parts, cut where the stone of a model of all of it ends.
 
-        None unless there is one on both sides of a cut; nor where these are of one family, for then it is the model
+        None unless there is one on both sides of a cut; nor where one goes on into the other, for then it is the model
         itself that ended too early.
         """
         core, *others = self.ceiling.cut(region, self.ceiling.points(region)[self._under(bands, region)])
         mine = self.region(core, part=True) if others else []
         beside = [found for other in others for found in self.region(other, part=True)] if mine else []
-        families = {type(found.placed.vault) for found in mine}
-        if not beside or any(type(found.placed.vault) in families for found in beside):
+        if not beside or any(self._goes_on(one, other, region) for one in mine for other in beside):
             return []
         return [*mine, *beside]
+
+    def _goes_on(self, one: Found, other: Found, region: Region) -> bool:
+        """Whether a vault of the same family would hang where another does, were its plan larger.
+
+        A ramped barrel does not go on into the level ones over its landings.
+        """
+        stone = self.ceiling.points(region)[self._under([(other.placed, other.tolerance)], region)]
+        same = type(one.placed.vault) is type(other.placed.vault)
+        return same and bool(np.median(np.abs(one.placed.distance(stone))) < CONTINUED)
 
     def _explained(self, found: Sequence[Found], region: Region) -> int:
         """Over how many of the ceiling's cells of a region the vaults hang."""
