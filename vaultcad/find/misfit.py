@@ -54,12 +54,13 @@ IN_POCKETS = 0.0, 0.1, 0.5  # chance of that where stone goes back behind a vaul
 COLUMN = 0.25  # m, edge of the plan's cells in which a vault is seen or not
 QUARTER, HALF = 0.25, 0.5  # shares of what is bent in a scan; where that is explained, this may be parts of the rest
 MOST_LEFT = 0.8  # chance of that where no more than a quarter is explained; nought from a half on
-ROUGH = 0.3  # chance beforehand that a vault is as rough as what a wrong family leaves
+ROUGH = 0.3  # chance beforehand that a vault is of rough stone / that it is not
 MIRRORS = np.array([[-1, 1, 1], [1, -1, 1], [-1, -1, 1]])  # of the plan
-BY_CHANCE, BY_SHAPE = (0.3, 0.13), (0.75, 0.2)  # mean and spread of how far residuals are alike in the mirrors
-# Set by hand on nine vaults of other hands and six virtual rooms, with waves of 6 to 25 mm: 0.20 to 0.45; and on four
-# rooms seen as another family: 0.78 to 0.87 (30 November 2026).
-MOST_ODDS = log(10.0)  # of chance, that such a correlation can tell
+# Mean and spread of how far residuals are alike there; set by hand on 13 virtual rooms that had settled: 0.10 to 0.68; on
+# nine vaults of other hands and eight rooms with waves of 6 to 25 mm: 0.07 to 0.55; on four rooms seen as another family:
+# 0.67 to 0.89 (30 November 2026).
+OF_SETTLED, OF_ROUGH, OF_WRONG = (0.45, 0.2), (0.3, 0.13), (0.75, 0.2)
+MOST_ODDS = log(10.0)  # that such a likeness can tell
 WAVES, OF_VARIANCE = range(3, 13), 0.4  # round an axis, and the share of the residuals from which on they are named
 
 
@@ -74,9 +75,10 @@ def _prior(strength: float, spread: float, roughness: float, rough_spread: float
 
 
 LEFT_BY_THE_RIGHT = _prior(0.004, 0.7, 0.0018, 0.5)
-LEFT_BY_A_WRONG_ONE = _prior(0.015, 0.8, 0.005, 0.7)  # and by rough stone
+LEFT_BY_A_WRONG_ONE = _prior(0.015, 0.8, 0.005, 0.7)
 """From 26 and 21 virtual rooms (29 November 2026), settled by up to 5 cm, fitted with their family and without it;
 `python -m bench strangers` tries others."""
+LEFT_BY_ROUGH_STONE = _prior(0.01, 0.5, 0.0045, 0.45)  # as on the 16 vaults below
 
 
 @dataclass(frozen=True)
@@ -124,13 +126,13 @@ class Misfit:
         blocks = Blocks(parts.weight, mean, np.empty((len(mean), 0)), parts.place, parts.normal, usable)
         plan = placed.vault.plan
         likely = field_likelihood(blocks, plan, placed.vault.derived_values()["rise"])
-        right, wrong = (
-            float(np.logaddexp.reduce(likely + prior, axis=None)) for prior in (LEFT_BY_THE_RIGHT, LEFT_BY_A_WRONG_ONE)
-        )
+        priors = (LEFT_BY_THE_RIGHT, LEFT_BY_ROUGH_STONE, LEFT_BY_A_WRONG_ONE)
+        right, stone, wrong = (float(np.logaddexp.reduce(likely + prior, axis=None)) for prior in priors)
         waves = _waves(parts.place[usable], mean[usable], plan)
         alike = 1.0 if waves else _alike(parts.place[usable], mean[usable], plan)
-        rough = float(np.logaddexp(right, wrong + log(ROUGH) + _log_odds_of_chance(alike)))
-        chance, off = _strange(wrong - rough), float(np.sqrt(np.mean(mean[usable] ** 2)))
+        settled, by_chance = (_log_odds(alike, of) for of in (OF_SETTLED, OF_ROUGH))
+        known = float(np.logaddexp(right + settled, stone + log(ROUGH) + by_chance))
+        chance, off = _strange(wrong - known), float(np.sqrt(np.mean(mean[usable] ** 2)))
         return cls(chance, off, waves, chance)
 
     def with_stone_beside(self, placed: Placed, site: Site) -> Misfit:
@@ -156,7 +158,7 @@ class Misfit:
         return replace(self, chance=1 - (1 - self.chance) * (1 - other), beside=share)
 
     def with_pockets(self, pockets: int) -> Misfit:
-        """The same, where stone goes back behind the vault in so many places: one may be a door's, several lunettes'."""
+        """The same, where stone goes back behind it in so many places: one may be a door's, several are lunettes."""
         other = IN_POCKETS[min(pockets, len(IN_POCKETS) - 1)]
         return replace(self, chance=1 - (1 - self.chance) * (1 - other), pockets=pockets)
 
@@ -241,7 +243,7 @@ def _alike(place: Array, residual: Array, plan: Plan) -> float:
     return float(np.mean(found)) if found else 1.0
 
 
-def _log_odds_of_chance(alike: float) -> float:
-    """Logarithm of how much likelier such a correlation is of stone that is rough by chance than of a wrong family."""
-    by_chance, by_shape = (-0.5 * ((alike - mean) / std) ** 2 - log(std) for mean, std in (BY_CHANCE, BY_SHAPE))
-    return min(by_chance - by_shape, MOST_ODDS)
+def _log_odds(alike: float, of: tuple[float, float]) -> float:
+    """Logarithm of how much likelier such a likeness is of that mean and spread than of a wrong family."""
+    those, wrong = (-0.5 * ((alike - mean) / std) ** 2 - log(std) for mean, std in (of, OF_WRONG))
+    return min(those - wrong, MOST_ODDS)

@@ -37,6 +37,7 @@ SURE = 0.9  # share of the ceiling over a region from which on its bays are not 
 CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
 CONTINUED = 0.1  # m that the stone of one vault is off another, were that longer, at most where it goes on
+OWN = 0.6  # share of the stone under a vault beside others that must not be theirs
 FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
 
 
@@ -62,6 +63,8 @@ def under_one_ceiling(
     found = search.single() if single else search.region(search.ceiling.room, part=part)
     if not found:
         raise search.refusals[0]
+    if not single and like is None:
+        found = [*found, *search.arms(found)]
     if like and not agree(found, like):
         raise NoVaultError(f"no vault found: {like.placed.vault.called} hangs over what looks alike, but not here")
     return tuple(likeliest_of(one, demands, rng, choices_like(like) if like else ()) for one in found)
@@ -113,6 +116,17 @@ class _Search:
             NoVaultError: none is near enough to what hangs there, or too little of it is there.
         """
         return [self._fit(self.ceiling.room, part=False)]
+
+    def arms(self, found: Sequence[Found]) -> list[Found]:
+        """The vaults over what hangs beside those found, as the arms of a crossing narrower than its middle."""
+        whole, arms = self.ceiling.whole, list[Found]()
+        own = self._under([(one.placed, one.tolerance) for one in found], whole)
+        for region, mine in self.ceiling.beside(own):
+            for arm in self.region(region, part=True):
+                on = self._under([(arm.placed, arm.tolerance)], whole)
+                if (on & mine).sum() > OWN * on.sum():
+                    arms.append(arm)
+        return arms
 
     def _fit(self, region: Region, part: bool) -> Found:
         """One vault over all of a region, which may be a part of the scan only.

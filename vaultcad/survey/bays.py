@@ -85,9 +85,12 @@ class CeilingGrid:
     @property
     def room(self) -> Region:
         """All of it, less the margins that nothing hangs over."""
-        high = self.low + np.array(self.height.shape) * self.cell
-        whole = Region(self.yaw, self.low, high)
-        return self._roofed(whole) or whole
+        return self._roofed(self.whole) or self.whole
+
+    @property
+    def whole(self) -> Region:
+        """All of it."""
+        return Region(self.yaw, self.low, self.low + np.array(self.height.shape) * self.cell)
 
     def within(self, region: Region) -> Array:
         """The heights (nx, ny) of the cells in a region, a view."""
@@ -139,6 +142,27 @@ class CeilingGrid:
                     ends = (b, core.high[axis]) if end == "low" else (core.low[axis], a)
                     core = _between(core, axis, *ends)
         return [core, *found]
+
+    def beside(self, own: NDArray[np.bool_]) -> Iterator[tuple[Region, NDArray[np.bool_]]]:
+        """Rectangles about what hangs beside vaults, as the arms of a crossing, and which of all points that is.
+
+        own: (n,) of all points, which are the vaults'. What is narrow or small is their edges.
+        """
+        from scipy.ndimage import binary_opening, label
+
+        (places,) = np.nonzero(np.isfinite(self.height).ravel())
+        left = np.zeros(self.height.size, np.bool_)
+        left[places[~own]] = True
+        number, count = label(binary_opening(left.reshape(self.height.shape), np.ones((3, 3))))
+        for k in range(1, count + 1):
+            mine = number == k
+            if mine.sum() * self.cell**2 < BESIDE:
+                continue
+            at = np.argwhere(mine)
+            low, high = at.min(axis=0), at.max(axis=0) + 1
+            region = Region(self.yaw, self.low + low * self.cell, self.low + high * self.cell)
+            if (high - low).min() * self.cell >= NARROWEST:
+                yield region, mine.ravel()[places]
 
     def _roofed(self, region: Region) -> Region | None:
         """A region less the margins that nothing hangs over; None where too little does for a vault."""

@@ -9,7 +9,7 @@ import pytest
 
 from families import Barrel, Cloister, Dome, Groin, Rotunda, Sail, Semicircular, Trough, Vault
 from vaultcad.errors import NoVaultError
-from vaultcad.find.misfit import FITS, REFUSED, Misfit, refuse_strangers
+from vaultcad.find.misfit import DOUBTFUL, FITS, REFUSED, Misfit, refuse_strangers
 from vaultcad.find.refine import Refined, settled
 from vaultcad.fit.evidence import Evidence
 from vaultcad.fit.solve import Placed
@@ -54,8 +54,7 @@ def test_rough_stone_of_the_right_family_is_believed(vault: Vault) -> None:
     for rough in (0.01, 0.02):
         misfit = Misfit.of(fitted(vault, vault, rough=rough))
         assert misfit.off > 0.8 * rough
-        assert misfit.chance < 0.1
-        assert misfit.reason == ""
+        assert misfit.chance < (0.05 if rough == 0.01 else DOUBTFUL)
 
 
 def test_vaults_that_explain_less_than_half_of_a_scan_are_doubted_the_more_the_less_it_is() -> None:
