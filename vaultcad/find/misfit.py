@@ -55,10 +55,11 @@ COLUMN = 0.25  # m, edge of the plan's cells in which a vault is seen or not
 QUARTER, HALF = 0.25, 0.5  # shares of what is bent in a scan; where that is explained, this may be parts of the rest
 MOST_LEFT = 0.8  # chance of that where no more than a quarter is explained; nought from a half on
 ROUGH = 0.3  # chance beforehand that a vault is of rough stone / that it is not
+ROUGHEST = 0.025, 0.01  # m off the model up to which stone may be rough; by how much more it seldom is
 MIRRORS = np.array([[-1, 1, 1], [1, -1, 1], [-1, -1, 1]])  # of the plan
-# Mean and spread of how far residuals are alike there; set by hand on 13 virtual rooms that had settled: 0.10 to 0.68; on
-# nine vaults of other hands and eight rooms with waves of 6 to 25 mm: 0.07 to 0.55; on four rooms seen as another family:
-# 0.67 to 0.89 (30 November 2026).
+# Mean and spread of how far residuals are alike there; set by hand on 13 virtual rooms that had settled: 0.10 to 0.68;
+# on nine vaults of other hands and eight rooms with waves of 6 to 25 mm: 0.07 to 0.55; on four rooms seen as another
+# family: 0.67 to 0.89 (30 November 2026).
 OF_SETTLED, OF_ROUGH, OF_WRONG = (0.45, 0.2), (0.3, 0.13), (0.75, 0.2)
 MOST_ODDS = log(10.0)  # that such a likeness can tell
 WAVES, OF_VARIANCE = range(3, 13), 0.4  # round an axis, and the share of the residuals from which on they are named
@@ -78,7 +79,7 @@ LEFT_BY_THE_RIGHT = _prior(0.004, 0.7, 0.0018, 0.5)
 LEFT_BY_A_WRONG_ONE = _prior(0.015, 0.8, 0.005, 0.7)
 """From 26 and 21 virtual rooms (29 November 2026), settled by up to 5 cm, fitted with their family and without it;
 `python -m bench strangers` tries others."""
-LEFT_BY_ROUGH_STONE = _prior(0.01, 0.5, 0.0045, 0.45)  # as on the 16 vaults below
+LEFT_BY_ROUGH_STONE = _prior(0.012, 0.5, 0.005, 0.5)  # as on the 16 vaults below
 
 
 @dataclass(frozen=True)
@@ -131,8 +132,10 @@ class Misfit:
         waves = _waves(parts.place[usable], mean[usable], plan)
         alike = 1.0 if waves else _alike(parts.place[usable], mean[usable], plan)
         settled, by_chance = (_log_odds(alike, of) for of in (OF_SETTLED, OF_ROUGH))
-        known = float(np.logaddexp(right + settled, stone + log(ROUGH) + by_chance))
-        chance, off = _strange(wrong - known), float(np.sqrt(np.mean(mean[usable] ** 2)))
+        off = float(np.sqrt(np.mean(mean[usable] ** 2)))
+        coarse = -0.5 * max((off - ROUGHEST[0]) / ROUGHEST[1], 0.0) ** 2
+        known = float(np.logaddexp(right + settled, stone + log(ROUGH) + coarse + by_chance))
+        chance = _strange(wrong - known)
         return cls(chance, off, waves, chance)
 
     def with_stone_beside(self, placed: Placed, site: Site) -> Misfit:
