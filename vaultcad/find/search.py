@@ -64,7 +64,7 @@ def under_one_ceiling(
     if not found:
         raise search.refusals[0]
     if not single and like is None:
-        found = [*found, *search.arms(found)]
+        found = [*found, *search.arms(found, search.ceiling.whole)]
     if like and not agree(found, like):
         raise NoVaultError(f"no vault found: {like.placed.vault.called} hangs over what looks alike, but not here")
     return tuple(likeliest_of(one, demands, rng, choices_like(like) if like else ()) for one in found)
@@ -107,7 +107,8 @@ class _Search:
         if one is None:
             return bays
         gain = 1 / GAIN if one.placed.vault.may_be_several else GAIN
-        return bays if self._explained(bays, region) > gain * self._explained([one], region) else [one]
+        whole = [one, *self.arms([one], region)] if bays else [one]
+        return bays if self._believed(bays, region) > gain * self._believed(whole, region) else whole
 
     def single(self) -> list[Found]:
         """The one vault over all of it.
@@ -117,12 +118,13 @@ class _Search:
         """
         return [self._fit(self.ceiling.room, part=False)]
 
-    def arms(self, found: Sequence[Found]) -> list[Found]:
+    def arms(self, found: Sequence[Found], region: Region) -> list[Found]:
         """The vaults over what hangs beside those found, as the arms of a crossing narrower than its middle."""
         whole, arms = self.ceiling.whole, list[Found]()
         own = self._under([(one.placed, one.tolerance) for one in found], whole)
-        for region, mine in self.ceiling.beside(own):
-            for arm in self.region(region, part=True):
+        own |= ~region.holds(self.ceiling.points(whole))
+        for part, mine in self.ceiling.beside(own):
+            for arm in self.region(part, part=True):
                 on = self._under([(arm.placed, arm.tolerance)], whole)
                 if (on & mine).sum() > OWN * on.sum():
                     arms.append(arm)
@@ -228,6 +230,10 @@ class _Search:
     def _explained(self, found: Sequence[Found], region: Region) -> int:
         """Over how many of the ceiling's cells of a region the vaults hang."""
         return int(self._under([(one.placed, one.tolerance) for one in found], region).sum())
+
+    def _believed(self, found: Sequence[Found], region: Region) -> float:
+        """The same, those of each vault as often as it is likely to be one of the families at all."""
+        return sum((1 - one.misfit.chance) * self._explained([one], region) for one in found)
 
     def _under(self, bands: Bands, region: Region) -> NDArray[np.bool_]:
         """Which of the ceiling's points of a region are the vaults'."""

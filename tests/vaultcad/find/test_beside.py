@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from families import Barrel, Conch, Trough
+from families import Barrel, Conch, Lunette, Segmental, Trough
 from segmentation.cloud import Cloud
 from vaultcad.find.search import _is_soffit, under_one_ceiling
 from vaultcad.fit.freedom import NONE
@@ -45,10 +45,42 @@ def test_a_ramp_is_found_between_the_level_barrels_over_its_landings() -> None:
     xyz.append(np.stack([across, ends, up + 4.0 * slope * (ends > 0)], axis=1))
     scan = (np.concatenate(xyz) + rng.normal(0, 0.002, (sum(map(len, xyz)), 3))).astype(np.float32)
     found = under_one_ceiling(thin_scan(Cloud(scan)), scan, (Barrel, Trough), np.random.default_rng(0), NONE)
-    found = sorted(found, key=lambda one: one.placed.pose.z)
+    found = sorted(found, key=lambda one: one.placed.pose.y)
     slopes = [abs(one.placed.vault.values()["slope"]) for one in found]
     assert np.allclose(slopes, [0.0, slope, 0.0], atol=0.01)
     assert np.allclose([one.placed.vault.values()["length"] for one in found], [1.6, 4.0, 1.6], atol=0.25)
+
+
+def test_lower_barrels_that_meet_a_wide_one_are_found_as_its_arms() -> None:
+    main = Lunette(
+        4.2,
+        7.0,
+        Segmental(0.4),
+        1,
+        pitch_ratio=0.6,
+        width_ratio=0.5,
+        springing_ratio=0.2,
+        lunette_profile=Segmental(0.4),
+    )
+    rng, half, arm = np.random.default_rng(1), main.lunette_span / 2, 2.6
+    curve = Segmental(0.4).curve(half)
+    xyz = [main.sample(14_000, rng).xyz]
+    for side in (-1.0, 1.0):
+        y = rng.uniform(-half, half, 5_000)
+        x = side * rng.uniform(2.1, 2.1 + arm, 5_000)
+        xyz.append(np.stack([x, y, main.lunette_springing + np.array([curve.height(abs(k)) for k in y])], axis=1))
+        walls = rng.choice([-half, half], 4_000), rng.uniform(-1.5, main.lunette_springing, 4_000)
+        xyz.append(np.stack([side * rng.uniform(2.1, 2.1 + arm, 4_000), *walls], axis=1))
+        y, z = rng.uniform(-3.5, 3.5, 6_000), rng.uniform(-1.5, 0.0, 6_000)
+        xyz.append(np.stack([np.full(6_000, side * 2.1), y, z], axis=1)[np.abs(y) > half])
+        x, z = rng.uniform(-2.1, 2.1, 3_000), rng.uniform(-1.5, 0.5, 3_000)
+        xyz.append(np.stack([x, np.full(3_000, side * 3.5), z], axis=1))
+    scan = np.concatenate(xyz)
+    scan = (scan + rng.normal(0, 0.002, scan.shape)).astype(np.float32)
+    found = under_one_ceiling(thin_scan(Cloud(scan)), scan, (Barrel, Lunette), np.random.default_rng(0), NONE)
+    assert [one.placed.vault.id for one in found[1:]] == ["barrel", "barrel"]
+    assert np.allclose([one.placed.vault.values()["span"] for one in found], [4.2, 2 * half, 2 * half], atol=0.1)
+    assert {round(one.placed.pose.x / (2.1 + arm / 2), 1) for one in found} == {-1.0, 0.0, 1.0}
 
 
 def test_the_head_of_a_window_is_no_vault() -> None:
