@@ -153,7 +153,7 @@ class CeilingGrid:
         (places,) = np.nonzero(np.isfinite(self.height).ravel())
         left = np.zeros(self.height.size, np.bool_)
         left[places[~own]] = True
-        number, count = label(binary_opening(left.reshape(self.height.shape), np.ones((3, 3))))
+        number, count = label(binary_opening(left.reshape(self.height.shape), np.ones((3, 3), np.bool_)))
         for k in range(1, count + 1):
             mine = number == k
             if mine.sum() * self.cell**2 < BESIDE:
