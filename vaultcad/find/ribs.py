@@ -111,8 +111,12 @@ def _rib(placed: Placed, kind: str, start: Array, end: Array, points: Array, loc
     below = _below(placed.vault, start + INWARDS * across * (kind == WALL), way, length, along, z)
     left, right = MIDDLE[kind]
     first = (beside > left) & (beside < right) & (below > DEPTH[0]) & (below < DEPTH[1])
+    web = (beside > left) & (beside < right) & (np.abs(below) < DEPTH[0])
     steps = np.floor(along / STEP).astype(np.int64)
-    depths = {k: float(np.median(below[first & (steps == k)])) for k in np.unique(steps[first])}
+    # A rib hides the web: where that is seen behind, strays fall from the edge of an arch before it.
+    count = int(length / STEP) + 2
+    hides = np.bincount(steps[first], minlength=count) > np.bincount(steps[web], minlength=count)
+    depths = {k: float(np.median(below[first & (steps == k)])) for k in np.flatnonzero(hides).tolist()}
     if len(depths) * STEP < SEEN * (1 - 2 * FOOT) * length:
         return None
     known = np.array(list(depths.values()))
@@ -120,7 +124,7 @@ def _rib(placed: Placed, kind: str, start: Array, end: Array, points: Array, loc
     spread = SIGMA * float(np.median(np.abs(known - depth)))
     if spread > EVEN * depth:
         return None
-    middle = np.array([depths.get(k, np.nan) for k in range(int(length / STEP) + 2)])[steps]
+    middle = np.array([depths.get(k, np.nan) for k in range(count)])[steps]
     own = (np.abs(below - middle) < SAME) & (beside > -HALF_WIDTH if kind == DIAGONAL else beside > left - SAME)
     own &= np.abs(along - length / 2) > CROSSING
     if not own.any():  # what hangs at several heights in every step is rafters or rock, and no soffit

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from vaultcad.survey.backs import below_backs
 from vaultcad.survey.bays import check_grid
 from vaultcad.survey.dome_rims import is_dome
+from vaultcad.survey.part_kernel import own
 from vaultcad.survey.patches import Patches, hung_and_other
 from vaultcad.survey.plan_grid import Laid, PlanGrid
 from vaultcad.survey.soffits import Soffit, soffits_of
@@ -71,14 +72,9 @@ class Part:
 
     def holds(self, points: NDArray[np.floating], margin: float = -INNER) -> Mask:
         """Which points (n, 3) [m] are its own, and no arch's; `margin` [m]: by how much those are wider."""
-        found = self.grid.holds(self.held, points)
-        (mine,) = np.nonzero(found)
-        over = points[mine]
-        cell = self.grid.numbers(over)
-        own = (over[:, 2] > self.bottom.ravel()[cell]) & (over[:, 2] < self.top.ravel()[cell])
-        for arch in self.arches:
-            own &= ~arch.holds(over, margin, REVEAL)
-        found[mine] = own
+        strips = np.array([arch.strip(margin, REVEAL) for arch in self.arches]).reshape(-1, 6)
+        grid, points = self.grid, np.ascontiguousarray(points)
+        found: Mask = own(points, grid.low, grid.cell, self.held, self.bottom, self.top, strips)
         return found
 
     def own(self, laid: Laid) -> NDArray[np.floating]:

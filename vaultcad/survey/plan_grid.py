@@ -65,24 +65,32 @@ class PlanGrid:
 
 @dataclass(frozen=True)
 class Laid:
-    """Points of a scan (n, 3) [m] with the numbers (n,) of the cells they lie over, -1 beyond: asked for many parts."""
+    """Points of a scan (n, 3) [m] by the cells they lie over: asked for many parts.
+
+    order: (n,) their numbers, by cells. starts: (nx * ny + 1,) where those of each cell begin in it.
+    """
 
     grid: PlanGrid
     points: NDArray[np.floating]
-    number: NDArray[np.int32]
+    order: NDArray[np.int32]
+    starts: Ints
 
     @classmethod
     def over(cls, grid: PlanGrid, points: NDArray[np.floating]) -> Laid:
         """All these points over a grid."""
-        number = np.empty(len(points), np.int32)
+        cells = grid.shape[0] * grid.shape[1]
+        number = np.empty(len(points), np.int16 if cells < np.iinfo(np.int16).max else np.int32)
         for k in range(0, len(points), CHUNK):
             number[k : k + CHUNK] = grid.numbers(points[k : k + CHUNK])
-        return cls(grid, points, number)
+        count = np.bincount(number + 1, minlength=cells + 1)  # the first are beyond them all
+        return cls(grid, points, np.argsort(number, kind="stable").astype(np.int32), np.cumsum(count))
 
     def about(self, low: Array, high: Array) -> NDArray[np.floating]:
         """The points over the cells that a rectangle from one corner (2,) to the other [m] touches, in their order."""
-        shape, cell = np.array(self.grid.shape), self.grid.cell
-        (x0, y0), (x1, y1) = (np.floor((end - self.grid.low) / cell).clip(0, shape).astype(int) for end in (low, high))
-        wanted = np.zeros(self.grid.shape, np.bool_)
-        wanted[x0 : x1 + 1, y0 : y1 + 1] = True
-        return self.points[np.flatnonzero(np.append(wanted.ravel(), False)[self.number])]
+        nx, ny = self.grid.shape
+        ends = (np.floor((end - self.grid.low) / self.grid.cell).clip(0, (nx, ny)).astype(int) for end in (low, high))
+        (x0, y0), (x1, y1) = ends
+        rows, last = range(x0, min(x1 + 1, nx)), min(y1 + 1, ny)
+        mine = [self.order[self.starts[x * ny + y0] : self.starts[x * ny + last]] for x in rows]
+        about: NDArray[np.floating] = self.points[np.sort(np.concatenate([self.order[:0], *mine]))]
+        return about

@@ -65,6 +65,11 @@ class Soffit:
         found: Mask = (np.abs(u) < self.length / 2 + along) & (np.abs(v) < self.width / 2 + across)
         return found
 
+    def strip(self, across: float, along: float) -> Array:
+        """That rectangle (6,) as `vaultcad.survey.part_kernel.own` takes it."""
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        return np.array([*self.place, c, s, self.length / 2 + along, self.width / 2 + across])
+
     def reaches(self, low: Array, high: Array, margin: float) -> bool:
         """Whether its rectangle, grown by a margin [m], may lie over some of that between two corners (2,)."""
         away = np.maximum(np.maximum(low - self.place, self.place - high), 0.0)

@@ -54,6 +54,17 @@ def test_what_hangs_at_two_heights_under_a_line_is_no_rib():
     assert ribs_under(placed, rafters) == ()
 
 
+def test_strays_between_the_edge_of_an_arch_and_the_web_behind_it_are_no_rib():
+    vault, edge, rng = Groin(5, 5), 0.2, np.random.default_rng(3)
+    across = 0.3 * rng.random(2000)  # m from the wall's face, and how far strays are below the web there
+    along = rng.uniform(-2.2, 2.2, 2000)
+    height = np.sqrt(2.5**2 - along**2)
+    strays = np.column_stack([along, across - 2.5, height - edge * (1 - across / 0.3)])
+    web = vault.sample(100_000, rng).xyz
+    placed = Placed(vault, Pose(0.0, 0.0, 0.0, 0.0))
+    assert ribs_under(placed, np.concatenate([web, strays])) == ()
+
+
 def test_vaults_without_four_straight_sides_have_none_looked_for():
     from families import Rotunda
 
