@@ -17,7 +17,7 @@ CELL = 0.12, 2.5  # m and spacings; edge of the ceiling's cells, at least
 SEEN = 0.25  # share of the widest column that a column must have, else there is a gap in the ceiling
 VALLEY = 0.05  # m; a bay's mean height falls by this on either side, at least
 SLOPE, NEIGHBOURS = 3.5, 3  # steepest ceiling; neighbours that a cell must go on into
-NARROWEST = 1.0  # m, of a bay
+NARROWEST, NARROW_ARM = 1.0, 0.8  # m, of a bay; of what is left beside vaults and may be one
 LEAST = 1.5  # m², of the ceiling over a bay
 BESIDE = 2.0  # m², of the ceiling beside a vault that may be another
 GAP = 10.0  # m; how deep a gap counts
@@ -146,22 +146,21 @@ class CeilingGrid:
     def beside(self, own: NDArray[np.bool_]) -> Iterator[tuple[Region, NDArray[np.bool_]]]:
         """Rectangles about what hangs beside vaults, as the arms of a crossing, and which of all points that is.
 
-        own: (n,) of all points, which are the vaults'. What is narrow or small is their edges.
+        own: (n,) of all points, which are the vaults'. What is narrow, small or a ring is their edges.
         """
         from scipy.ndimage import binary_opening, label
 
         (places,) = np.nonzero(np.isfinite(self.height).ravel())
         left = np.zeros(self.height.size, np.bool_)
         left[places[~own]] = True
-        number, count = label(binary_opening(left.reshape(self.height.shape), np.ones((3, 3), np.bool_)))
+        wide = max(3, int(NARROW_ARM / self.cell))
+        number, count = label(binary_opening(left.reshape(self.height.shape), np.ones((wide, wide), np.bool_)))
         for k in range(1, count + 1):
             mine = number == k
-            if mine.sum() * self.cell**2 < BESIDE:
-                continue
             at = np.argwhere(mine)
             low, high = at.min(axis=0), at.max(axis=0) + 1
             region = Region(self.yaw, self.low + low * self.cell, self.low + high * self.cell)
-            if (high - low).min() * self.cell >= NARROWEST:
+            if len(at) * self.cell**2 >= BESIDE and len(at) >= FULL * (high - low).prod():
                 yield region, mine.ravel()[places]
 
     def _roofed(self, region: Region) -> Region | None:
