@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from families import Barrel, Conch, Lunette, Segmental, Trough
+from families import Barrel, Conch, Lunette, Segmental
 from segmentation.cloud import Cloud
 from vaultcad.find.search import _is_soffit, under_one_ceiling
 from vaultcad.fit.freedom import NONE
@@ -44,7 +44,7 @@ def test_a_ramp_is_found_between_the_level_barrels_over_its_landings() -> None:
     up = np.minimum(up, np.sqrt(span**2 / 4 - across**2))
     xyz.append(np.stack([across, ends, up + 4.0 * slope * (ends > 0)], axis=1))
     scan = (np.concatenate(xyz) + rng.normal(0, 0.002, (sum(map(len, xyz)), 3))).astype(np.float32)
-    found = under_one_ceiling(thin_scan(Cloud(scan)), scan, (Barrel, Trough), np.random.default_rng(0), NONE)
+    found = under_one_ceiling(thin_scan(Cloud(scan)), scan, (Barrel,), np.random.default_rng(0), NONE)
     found = sorted(found, key=lambda one: one.placed.pose.y)
     slopes = [abs(one.placed.vault.values()["slope"]) for one in found]
     assert np.allclose(slopes, [0.0, slope, 0.0], atol=0.01)
@@ -77,10 +77,10 @@ def test_lower_barrels_that_meet_a_wide_one_are_found_as_its_arms() -> None:
         xyz.append(np.stack([x, np.full(3_000, side * 3.5), z], axis=1))
     scan = np.concatenate(xyz)
     scan = (scan + rng.normal(0, 0.002, scan.shape)).astype(np.float32)
-    found = under_one_ceiling(thin_scan(Cloud(scan)), scan, (Barrel, Lunette), np.random.default_rng(0), NONE)
-    assert [one.placed.vault.id for one in found[1:]] == ["barrel", "barrel"]
+    found = under_one_ceiling(thin_scan(Cloud(scan)), scan, (Barrel,), np.random.default_rng(0), NONE)
+    assert found[0].misfit.pockets == 2  # its lunettes, as no such family was tried
     assert np.allclose([one.placed.vault.values()["span"] for one in found], [4.2, 2 * half, 2 * half], atol=0.1)
-    assert {round(one.placed.pose.x / (2.1 + arm / 2), 1) for one in found} == {-1.0, 0.0, 1.0}
+    assert [round(one.placed.pose.x / (2.1 + arm / 2)) for one in found] == [0, -1, 1]
 
 
 def test_the_head_of_a_window_is_no_vault() -> None:
