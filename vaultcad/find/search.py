@@ -161,28 +161,30 @@ class _Search:
         thin, xyz = bay_of(self.thin, self.xyz, region)
         inner_thin, inner = without_arches(thin, xyz, region)
         if len(inner_thin.points) == len(thin.points):
-            return self._one(thin, xyz)
+            return self._one(thin, xyz, region)
         try:
-            found = self._one(inner_thin, xyz[inner.holds(xyz)])
+            found = self._one(inner_thin, xyz[inner.holds(xyz)], inner)
         except NoVaultError:  # what was cut off was its own
-            return self._one(thin, xyz)
+            return self._one(thin, xyz, region)
         plan = found.placed.vault.plan
         if not (plan.on_wall_x or plan.on_wall_y):
             return found
         # A vault that stands on walls has no arches on its sides; lunettes look like them.
         with suppress(NoVaultError):
-            whole = self._one(thin, xyz)
+            whole = self._one(thin, xyz, region)
             if self._explained([whole], region) > GAIN * self._explained([found], region):
                 return whole
         return found
 
-    def _one(self, thin: Thin, xyz: NDArray[np.floating]) -> Found:
-        """One vault over all these points, thinned and all of them.
+    def _one(self, thin: Thin, xyz: NDArray[np.floating], region: Region) -> Found:
+        """One vault over all these points of a region, thinned and all of them.
 
         Raises:
             NoVaultError: none is near enough to what hangs there.
         """
         site = _under_its_ceiling(find_site(thin, xyz), thin)
+        for axis, side in region.valleys:
+            site = site.with_guessed_ends(axis, side)
         check_bent(site)
         known = starts_like(self.like, site, self.families) if self.like else ()
         hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands, known=known)

@@ -28,11 +28,15 @@ FULL = 0.4  # share of a bay's rectangle that has a ceiling, at least
 
 @dataclass(frozen=True)
 class Region:
-    """A rectangle of the plan turned by `yaw` [rad]: its corners `low` and `high` (2,) [m]."""
+    """A rectangle of the plan turned by `yaw` [rad]: its corners `low` and `high` (2,) [m].
+
+    valleys: (axis, side) of the sides that were cut in a valley of one ceiling, the place of which is a guess.
+    """
 
     yaw: float
     low: Array
     high: Array
+    valleys: tuple[tuple[int, int], ...] = ()
 
     def holds(self, points: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Which points (n, 2 or 3) of the local frame [m] lie in it."""
@@ -121,7 +125,11 @@ class CeilingGrid:
         # Where walls stand between rooms, the valleys of each room are looked at when that is its own region.
         chosen = [cut.place for cut in cuts[axis] if cut.depth >= GAP or deepest < GAP]
         ends = [region.low[axis], *chosen, region.high[axis]]
-        pieces = (_between(region, axis, a, b) for a, b in pairwise(ends))
+        pieces = [_between(region, axis, a, b) for a, b in pairwise(ends)]
+        if deepest < GAP:
+            first, last = ((axis, 1),), ((axis, 0),)
+            sides = [first, *[first + last] * (len(pieces) - 2), last]
+            pieces = [replace(piece, valleys=region.valleys + new) for piece, new in zip(pieces, sides, strict=True)]
         return [trimmed for piece in pieces if (trimmed := self._roofed(piece)) is not None]
 
     def cut(self, region: Region, explained: NDArray[np.floating]) -> list[Region]:
