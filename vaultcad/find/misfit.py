@@ -35,7 +35,7 @@ from vaultcad.fit.settlement import (
 )
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.parting import LEVEL_NORMAL
-from vaultcad.survey.thinned_scan import STEEP, Site
+from vaultcad.survey.thinned_scan import STEEP, Site, support
 
 Array = NDArray[np.float64]
 
@@ -154,11 +154,9 @@ class Misfit:
         column = np.unique(cell, axis=0, return_inverse=True)[1].ravel()
         on = np.abs(placed.distance(site.points[over])) < REACH
         shown = np.bincount(column, on & (np.abs(site.normals[over, 2]) > STEEP)) > 0
-        share = float((~on & ~shown[column])[bent[over]].mean())
-        if share < BESIDE[0]:
-            return self
-        other = _strange(SURELY * min((share - BESIDE[0]) / (BESIDE[1] - BESIDE[0]), 2.0))
-        return replace(self, chance=1 - (1 - self.chance) * (1 - other), beside=share)
+        off, counted = (~on & ~shown[column])[bent[over]], site.counts[over & bent]
+        share = float(np.average(off, weights=support(counted)))
+        return replace(self, chance=1 - (1 - self.chance) * (1 - _one_web(share)), beside=share)
 
     def with_pockets(self, pockets: int) -> Misfit:
         """The same, where stone goes back behind it in so many places: one may be a door's, several are lunettes."""
@@ -170,8 +168,7 @@ class Misfit:
 
         Where most is left, what was found may be parts of what was not.
         """
-        other = MOST_LEFT * min(max((HALF - share) / (HALF - QUARTER), 0.0), 1.0)
-        return replace(self, chance=1 - (1 - self.chance) * (1 - other), share=share)
+        return replace(self, chance=1 - (1 - self.chance) * (1 - _part_of_more(share)), share=share)
 
     @property
     def reason(self) -> str:
@@ -181,11 +178,11 @@ class Misfit:
         if self.ridges:
             apart, deep = 100 * self.ridges.apart, 100 * self.ridges.deep
             return f"it runs in ridges {apart:.0f} cm apart and {deep:.1f} cm deep, as corrugated sheet does"
-        if self.beside > BESIDE[1]:
+        if _one_web(self.beside) > DOUBTFUL:
             return f"{self.beside:.0%} of the stone over its plan is more than {100 * REACH:.0f} cm off it"
         if self.pockets > 1:
             return f"the stone goes back behind it in {self.pockets} places, as lunettes do that it does not have"
-        if self.share < HALF:
+        if _part_of_more(self.share) > DOUBTFUL:
             return f"{1 - self.share:.0%} of what is bent over the rooms of the scan is not explained"
         waves = f" in {self.waves} waves round the axis" if self.waves else ""
         return f"the stone is {100 * self.off:.1f} cm off it{waves}, more than settlement explains"
@@ -206,6 +203,18 @@ def refuse_strangers(misfit: Misfit, vault: Vault) -> None:
     small = vault.plan.area < SMALL and misfit.chance > SMALL_REFUSED
     if small or misfit.certain > REFUSED:
         raise NoVaultError(f"no vault found: none of these families: nearest is a {vault.title}, but {misfit.reason}")
+
+
+def _one_web(beside: float) -> float:
+    """Chance that a vault is one web of another, of whose bent stone over the plan that share is no part of it."""
+    if beside < BESIDE[0]:
+        return 0.0
+    return _strange(SURELY * min((beside - BESIDE[0]) / (BESIDE[1] - BESIDE[0]), 2.0))
+
+
+def _part_of_more(share: float) -> float:
+    """Chance that what was found are parts of what was not, as they explain that share of what is bent in a scan."""
+    return MOST_LEFT * min(max((HALF - share) / (HALF - QUARTER), 0.0), 1.0)
 
 
 def _strange(odds: float) -> float:

@@ -16,7 +16,7 @@ from vaultcad.errors import NoVaultError, OtherThingError
 from vaultcad.find.refine import Refined
 from vaultcad.fit.solve import Placed
 from vaultcad.fit.uncertainty import covariance, slopes_of_sizes
-from vaultcad.survey.thinned_scan import STEEP, Site, inside, turned
+from vaultcad.survey.thinned_scan import STEEP, Site, inside, support, turned
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -79,7 +79,7 @@ def check(refined: Refined, site: Site, tolerance: float) -> None:
     _check_level(local[above][on, 2])
     _check_smooth(placed, site.points[above][on], rise, short)
     _check_lesser(placed, site.points[inside], tolerance)
-    share = float(on.mean()) if len(on) else 0.0
+    share = float(np.average(on, weights=support(site.counts[above]))) if len(on) else 0.0
     if share < EXPLAINED:
         raise PartlyError(
             f"no vault found: the best model, {vault.called}, explains {share:.0%} of what hangs over its springing; "

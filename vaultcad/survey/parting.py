@@ -176,16 +176,19 @@ class _Plan:
         return found
 
     def _touching(self, soffits: tuple[Soffit, ...], reach: float) -> tuple[Ints, Ints]:
-        """Pairs of cells (n,), (n,) of two patches, no farther than that in plan [m], and no soffit between them."""
+        """Pairs of cells (n,), (n,) of two patches, no farther than that in plan [m], no soffit between or over them.
+
+        What hangs under a soffit, as a tie rod does, is near both ceilings beside it.
+        """
         from scipy.spatial import cKDTree
 
         places = self.grid.places(self.column)
         a, b = cKDTree(places).query_pairs(reach, output_type="ndarray").T
         other = (self.patch[a] != self.patch[b]) & ~self._lintels[self.patch[a]] & ~self._lintels[self.patch[b]]
         a, b = a[other], b[other]
+        under = _in_soffits(soffits, np.column_stack([places, self.height]))
         middle = np.column_stack([(places[a] + places[b]) / 2, np.minimum(self.height[a], self.height[b])])
-        free = ~np.any([soffit.holds(middle, along=PIER) & soffit.parts(middle) for soffit in soffits], axis=0)
-        free = np.broadcast_to(free, len(a))
+        free = ~under[a] & ~under[b] & ~_in_soffits(soffits, middle)
         return a[free], b[free]
 
     def _linked(self, number: Ints, a: Ints, b: Ints, *, lifted: bool) -> Ints:
@@ -290,6 +293,14 @@ class _Plan:
         from scipy.ndimage import distance_transform_edt
 
         return np.asarray(distance_transform_edt(np.isnan(top)) * self.grid.cell, np.float64)
+
+
+def _in_soffits(soffits: tuple[Soffit, ...], places: Array) -> Mask:
+    """Which places (n, 3) [m] lie over or under soffits, or the piers at their ends, in the storey of these."""
+    found = np.zeros(len(places), np.bool_)
+    for soffit in soffits:
+        found |= soffit.holds(places, along=PIER) & soffit.parts(places)
+    return found
 
 
 def _overlap(one: Ints, other: Ints) -> bool:

@@ -24,6 +24,7 @@ SPACING = 0.05  # m; finer points say no more of where stone goes on
 SMALLEST = 0.05  # m², of a patch
 CELL = 0.15  # m; of the columns in which patches hang over each other
 CLEAR = 1.3  # m; a ceiling has a room below it
+SLENDER = 0.3  # m, width in plan of what ends no room above it: tie rods, cables, beams
 PLANE, LEVEL = 0.98, 0.9  # mean of the normals of a floor: their length at least, and its upward part
 
 
@@ -48,6 +49,15 @@ class Patches:
     def areas(self) -> Array:
         """(count,) [m²] of each, seen along its normals."""
         return np.asarray(np.bincount(self.patch, minlength=self.count) * self.spacing**2, np.float64)
+
+    @property
+    def widths(self) -> Array:
+        """(count,) [m] of rectangles in plan that are spread as each is, across their longer sides."""
+        size = np.bincount(self.patch, minlength=self.count)
+        x, y = (axis - (np.bincount(self.patch, axis) / size)[self.patch] for axis in self.points.T[:2])
+        xx, xy, yy = (np.bincount(self.patch, product) / size for product in (x * x, x * y, y * y))
+        least = (xx + yy) / 2 - np.hypot((xx - yy) / 2, xy)
+        return np.asarray(np.sqrt(12 * np.maximum(least, 0.0)), np.float64)
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -126,7 +136,7 @@ def _has_room_below(patches: Patches) -> NDArray[np.bool_]:
     same = cell[1:] == cell[:-1]
     clear = np.where(same, np.diff(height), np.inf)
     columns = np.bincount(patch, minlength=count)
-    low = np.bincount(patch[1:][clear < CLEAR], minlength=count)
+    low = np.bincount(patch[_is_close_above(cell, height, (patches.widths >= SLENDER)[patch])], minlength=count)
     lowest = np.bincount(patch[np.concatenate([[True], ~same])], minlength=count)
     under = np.bincount(patch[:-1][same & (clear >= CLEAR)], minlength=count)
     facing = patches.normals * np.sign(patches.normals[:, 2:])
@@ -137,6 +147,14 @@ def _has_room_below(patches: Patches) -> NDArray[np.bool_]:
     )
     room: NDArray[np.bool_] = (low < columns / 2) & ~floor
     return room
+
+
+def _is_close_above(cell: Ints, height: Array, broad: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which of patches in columns (k,), from below, have a broad one close below them."""
+    last = np.maximum.accumulate(np.where(broad, np.arange(len(cell)), -1))
+    below = np.concatenate([[-1], last[:-1]])
+    found: NDArray[np.bool_] = (below >= 0) & (cell[below] == cell) & (height - height[below] < CLEAR)
+    return found
 
 
 def _columns(patches: Patches) -> tuple[Ints, Ints, Array]:

@@ -93,6 +93,7 @@ def soffits_of(patches: Patches, xyz: NDArray[np.floating]) -> tuple[tuple[Soffi
     strips = _joined(patches, {(k,): strip for k in range(patches.count) if (strip := _strip(patches, (k,)))})
     rest = ~np.isin(patches.patch, [k for parts in strips for k in parts])
     found = {parts: strip for parts, strip in strips.items() if _is_between(strip, patches.points[rest])}
+    found = {parts: strip for parts, strip in found.items() if not any(_is_under(strip, o) for o in found.values())}
     chosen = np.zeros(patches.count, np.bool_)
     chosen[[k for parts in found for k in parts]] = True
     return tuple(_edged(list(found.values()), xyz)), chosen
@@ -168,6 +169,13 @@ def _is_between(soffit: Soffit, ceiling: Array) -> bool:
         if sum(top > HIGHER for top in tops.values()) * BIN < ALONG * soffit.length:
             return False
     return True
+
+
+def _is_under(strip: Soffit, other: Soffit) -> bool:
+    """Whether a strip hangs under another, as a tie rod does under an arch."""
+    middle = strip.place[None]
+    along, _ = other.local(middle)
+    return bool(other.holds(middle).all() and other.height(along)[0] > strip.height(np.zeros(1))[0] + SOFFIT)
 
 
 def _met(beyond: Array, height: Array) -> Array:

@@ -209,6 +209,15 @@ def above_floor(thin: Thin) -> Thin:
     return above
 
 
+def support(counts: Array) -> Array:
+    """How much places with so many points (n,) of the scan tell of what hangs there: as many as most have, or less.
+
+    A dense scan has strays in many places, by single points: on the way from an edge to what is behind it.
+    """
+    shown: Array = np.minimum(counts / np.median(counts), 1.0)
+    return shown
+
+
 def turned(xy: NDArray[Real], yaw: float) -> NDArray[Real]:
     """Points or directions (n, 2) in axes turned by `yaw` [rad]."""
     c, s, (x, y) = float(np.cos(yaw)), float(np.sin(yaw)), xy.T

@@ -130,8 +130,24 @@ def test_lamps_and_rods_under_a_vault_that_is_seen_over_them_say_nothing_against
     site = Site(points, facing, np.ones(count), 0.0, none, none, none > 0, -2.0, 2.0, 0.05, none, np.ones(count))
     assert FITS.with_stone_beside(Placed(vault, Pose(0, 0, 0, 0)), site) == FITS
     hidden = points[:, 2] < np.where(np.abs(points[:, 0]) < 1.7, 0.7, 9.0)  # the vault over the rods was not seen
-    site = replace(site, points=points[hidden], normals=facing[hidden], weights=np.ones(hidden.sum()))
+    ones = np.ones(hidden.sum())
+    site = replace(site, points=points[hidden], normals=facing[hidden], weights=ones, counts=ones)
     assert FITS.with_stone_beside(Placed(vault, Pose(0, 0, 0, 0)), site).chance > 0.5
+
+
+def test_strays_of_a_dense_scan_are_no_stone_beside() -> None:
+    """A place on the stone holds many points, one on the way from an edge to what is behind it a few."""
+    rng, trough, none = np.random.default_rng(3), Trough(4.0, 6.0), np.zeros(2)
+    sample = trough.sample(16_000, rng)
+    seen = np.flatnonzero(np.abs(sample.xyz[:, 0]) > 1.1)[:8_000]  # where it is seen over them strays say nothing
+    strays = np.column_stack([rng.uniform(-1, 1, 1_500), rng.uniform(-2, 2, 1_500), rng.uniform(0.1, 0.5, 1_500)])
+    points = np.concatenate([sample.xyz[seen], strays])
+    normals = np.concatenate([sample.normals[seen], np.tile([0.6, 0.0, 0.8], (1_500, 1))])
+    counts = np.where(np.arange(9_500) < 8_000, 20.0, 1.0)
+    site = Site(points, normals, np.ones(9_500), 0.0, none, none, none > 0, -2.0, 2.0, 0.05, none, counts)
+    assert FITS.with_stone_beside(Placed(trough, Pose(0, 0, 0, 0)), site).reason == ""
+    even = replace(site, counts=np.ones(9_500))
+    assert "of the stone over its plan" in FITS.with_stone_beside(Placed(trough, Pose(0, 0, 0, 0)), even).reason
 
 
 def test_a_small_vault_is_refused_where_a_large_one_is_doubted() -> None:

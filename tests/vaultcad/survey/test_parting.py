@@ -18,7 +18,7 @@ from vaultcad.scanner import ScannerSettings, draw, scan
 from vaultcad.scanner.building import Arch, Bay, Building, BuildingScan, Place, Style, scan_building
 from vaultcad.scanner.building.rows import beside, in_row
 from vaultcad.survey.parting import Ceiling, Part, Parting, parted
-from vaultcad.survey.patches import Patches, patches_of
+from vaultcad.survey.patches import Patches, hung_and_other, patches_of
 from vaultcad.survey.plan_grid import PlanGrid
 from vaultcad.survey.soffits import Soffit
 from vaultcad.survey.thinned_scan import Thin, thin_scan
@@ -59,6 +59,9 @@ def surveyed(name: str) -> tuple[BuildingScan, Thin, Parting]:
     buildings = {
         "nave and apse": (*bays, Bay(conch, beside(NAVE, bays[-1].place, "north", conch, 0.4, enter="1"))),
         "two storeys": (*nave(Sail(4, 4)), *(replace(bay, floor=5.5) for bay in nave(Sail(4, 4), z=8.0))),
+        "two sails": tuple(
+            Bay(Sail(2.8, 2.6, 0.74), p) for p in in_row([Sail(2.8, 2.6, 0.74)] * 2, Place(0, 0, 2, 0.2), 0.28)
+        ),
         "dome on a drum": (Bay(Dome(), Place(0, 0, 4.0, 0.3)),),
         "octagon on squinches": (Bay(Cloister(8, 2.5, drum_ratio=0.6, crossing=2), Place(0, 0, 4.0, 0.3)),),
     }
@@ -186,6 +189,40 @@ def test_soffits_are_where_the_arches_are() -> None:
         assert soffit.place == pytest.approx(place, abs=0.03)
         assert soffit.width == pytest.approx(told["width"], abs=0.02)
         assert abs(np.sin(soffit.yaw - np.radians(told["yaw_deg"]))) < 0.02
+
+
+def test_a_narrow_arch_over_a_tie_rod_hangs_over_the_room_below_and_a_shell_over_a_vault_does_not() -> None:
+    x, y = (axis.ravel() for axis in np.mgrid[-2:2:0.05, -2:2:0.05])
+
+    def over(width: float, low: float) -> list[int]:
+        """How many points hang over a room: of a strip that wide over a floor, and of another 0.5 m over it."""
+        strip = np.abs(y) < width / 2
+        heights = (np.zeros(len(x)), np.full(strip.sum(), low), np.full(strip.sum(), low + 0.5))
+        plans = (np.column_stack([x, y]), *[np.column_stack([x, y])[strip]] * 2)
+        points = np.concatenate([np.column_stack(pair) for pair in zip(plans, heights, strict=True)])
+        level = np.tile([0.0, 0.0, 1.0], (len(points), 1))
+        hung, _ = hung_and_other(Thin(points, level, np.ones(len(points)), 0.05))
+        return [int((hung.points[:, 2] == height).sum()) for height in (low, low + 0.5)]
+
+    narrow, wide = (int((np.abs(y) < width / 2).sum()) for width in (0.22, 1.0))
+    assert over(0.22, 2.0) == [narrow, narrow]
+    assert over(1.0, 2.0) == [wide, 0]
+
+
+def test_a_tie_rod_under_an_arch_neither_hides_its_soffit_nor_joins_the_vaults_beside_it() -> None:
+    """What is seen of a rod is a strip as wide as its strays, from pier to pier and a little over these."""
+    virtual, thin, parting = surveyed("two sails")
+    (soffit,) = parting.soffits
+    along, across = (axis.ravel() for axis in np.mgrid[-soffit.length / 2 - 0.4 : soffit.length / 2 + 0.4 : 0.05, -2:3])
+    c, s = np.cos(soffit.yaw), np.sin(soffit.yaw)
+    place = soffit.place + np.column_stack([c * along - s * 0.05 * across, s * along + c * 0.05 * across])
+    rod = np.column_stack([place, np.full(len(place), soffit.curve[:, 1].min())])
+    points = np.concatenate([thin.points, rod])
+    normals = np.concatenate([thin.normals, np.tile([0.0, 0.0, -1.0], (len(rod), 1))])
+    counts = np.concatenate([thin.counts, np.ones(len(rod))])
+    tied = parted(replace(thin, points=points, normals=normals, counts=counts), np.concatenate([virtual.xyz, rod]))
+    assert len(tied.soffits) == len(parting.soffits)
+    assert len(tied.ceilings) == len(parting.ceilings)
 
 
 def test_the_points_of_a_part_are_its_vaults_and_walls_and_no_arches() -> None:

@@ -13,7 +13,7 @@ from vaultcad.fit.solve import Placed, Solution
 from vaultcad.fit.uncertainty import open_ends
 from vaultcad.pipeline import FitSettings, Result, fit_scan
 from vaultcad.scanner import ScannerSettings, scan
-from vaultcad.survey.thinned_scan import thin_scan
+from vaultcad.survey.thinned_scan import support, thin_scan
 
 SETTINGS = ScannerSettings(points=120_000, tie_rods=1, furniture=2, settlement=0.01, noise=0.002, yaw=0.2)
 VAULTS: dict[str, Vault] = {
@@ -69,3 +69,9 @@ def test_an_end_without_a_wall_is_unsure_in_a_sparse_scan() -> None:
     assert known["length"] == pytest.approx(0.4, rel=1e-3)  # both halves
     assert known["y"] == pytest.approx(0.2)
     assert known["x"] == known["span"] == 0
+
+
+def test_places_of_few_points_tell_less_than_most_and_none_tells_more() -> None:
+    counts = np.array([1.0, 2.0, 20.0, 20.0, 400.0])
+    assert support(counts) == pytest.approx([0.05, 0.1, 1, 1, 1])
+    assert support(np.ones(3)) == pytest.approx(1.0)
