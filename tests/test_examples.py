@@ -1,8 +1,8 @@
-"""Each example runs alone and leaves what its docstring promises."""
+"""Each example runs by itself and leaves what its docstring promises."""
 
 import csv
 import json
-import subprocess
+import runpy
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -140,7 +140,7 @@ PROMISED: dict[str, tuple[list[str], Callable[[Path], None]]] = {
     "05_virtual_scan": ([], _virtual_scan),
     "06_scan_to_model": ([], _scan_to_model),
     "07_sections": ([], _sections),
-    "08_paper_tables": (["--points", "100000"], _paper_tables),
+    "08_paper_tables": (["--points", "60000"], _paper_tables),
     "09_room_under_a_vault": ([], _room_under_a_vault),
     "10_nave": (["--bays", "3"], _nave),
     "11_arcade": ([], _arcade),
@@ -153,11 +153,14 @@ def test_no_example_is_left_untested() -> None:
 
 
 @pytest.mark.parametrize("name", PROMISED)
-def test_example(name: str, tmp_path: Path) -> None:
+def test_example(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As a script, but in this process, which has its libraries already."""
     arguments, check = PROMISED[name]
-    out = tmp_path / "new" / "folder"
-    command = [sys.executable, str(EXAMPLES / f"{name}.py"), str(out), *arguments]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout
+    script, out = EXAMPLES / f"{name}.py", tmp_path / "new" / "folder"
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", [str(script), str(out), *arguments])
+    runpy.run_path(str(script), run_name="__main__")
+    assert capsys.readouterr().out
     check(out)

@@ -79,9 +79,13 @@ def _fading(points: Array, body: Body) -> Iterator[tuple[int, Array]]:
 
 
 def _spreading(axis: int) -> Fields:
+    """What stands between walls that part goes along in proportion to its place, or as halves that move as bodies."""
+
     def fields(points: Array, body: Body) -> Iterator[tuple[int, Array]]:
+        across = _over_plan(points, body, axis)
         for way, fading in _fading(points, body):
-            yield way, _along(axis, _over_plan(points, body, axis) * fading)
+            yield way, _along(axis, across * fading)
+            yield way, _along(axis, (across - across**3) * fading)
 
     return fields
 

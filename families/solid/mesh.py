@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from families.declaration.vault import Vault
 
 if TYPE_CHECKING:
-    from OCP.gp import gp_Pnt
     from OCP.TopoDS import TopoDS_Face, TopoDS_Shape
 
 ANGLE = 0.2  # [rad] between neighbouring triangles, so that small arcs stay round
@@ -83,7 +82,8 @@ def _meshed(shape: TopoDS_Shape, faces: list[tuple[TopoDS_Face, int]], tolerance
         part = BRep_Tool.Triangulation_s(face, place)
         if part is None:
             continue
-        nodes = np.array([_xyz(part.Node(k).Transformed(place.Transformation())) for k in range(1, part.NbNodes() + 1)])
+        there = place.Transformation()
+        nodes = np.array([part.Node(k).Transformed(there).Coord() for k in range(1, part.NbNodes() + 1)])
         triples = np.array([part.Triangle(k).Get() for k in range(1, part.NbTriangles() + 1)])
         backwards = (face.Orientation() == TopAbs_REVERSED) != inward
         corners.append((triples[:, ::-1] if backwards else triples) - 1 + offset)
@@ -93,17 +93,18 @@ def _meshed(shape: TopoDS_Shape, faces: list[tuple[TopoDS_Face, int]], tolerance
     return _welded(np.concatenate(points) / MM, np.concatenate(corners), np.concatenate(names))
 
 
-def _xyz(point: gp_Pnt) -> tuple[float, float, float]:
-    return point.X(), point.Y(), point.Z()
-
-
 def _welded(points: NDArray[np.float64], corners: NDArray[np.int64], names: NDArray[np.uint16]) -> Mesh:
     """One vertex where faces meet, in the order of first use, and no triangle without an area."""
-    _, first, where = np.unique(np.round(points, WELD), axis=0, return_index=True, return_inverse=True)
+    places = np.round(points, WELD)
+    ranked = np.lexsort(places.T)
+    fresh = np.concatenate([[True], (places[ranked[1:]] != places[ranked[:-1]]).any(axis=1)])
+    first = ranked[fresh]  # of those at one place, as the sort is stable
+    where = np.empty(len(places), np.intp)
+    where[ranked] = np.cumsum(fresh) - 1
     order = np.argsort(first)
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
-    triangles = rank[where.ravel()][corners]
+    triangles = rank[where][corners]
     a, b, c = triangles.T
     whole = (a != b) & (b != c) & (c != a)
     return Mesh(points[first[order]], triangles[whole].astype(np.int32), names[whole])

@@ -247,24 +247,26 @@ def slopes(xyz: Array, frame: Array, parts: Array, plan: Array, moved: Array, ou
             bodies[k, row] = (moved[k, row] != parts[row]).any()
         for row in range(len(plan)):
             sides[k, row] = (outlines[k, row] != plan[row]).any()
+    at, rows, here = np.empty((n, 3)), np.empty(n, np.int64), np.empty(n)
     for i in range(n):
         x, y, z = _moved(xyz, i, frame)
         _, _, row, nx, ny, nz = _room(x, y, z, parts, plan)
         for k in range(3):
             out[i, k] = -(nx * frame[0, k] + ny * frame[1, k] + nz * frame[2, k])
         out[i, 3] = nx * y - ny * x
-        if row < 0:
-            d = _side(x, y, plan, -1 - row)
-            for k in range(count):
+        at[i, 0], at[i, 1], at[i, 2], rows[i] = x, y, z, row
+        here[i] = _side(x, y, plan, -1 - row) if row < 0 else _body(x, y, z, parts, row)[0]
+    for k in range(count):  # outside, for to take a table out of several costs as much as to ask a body
+        table, outline = moved[k], outlines[k]
+        for i in range(n):
+            x, y, z, row = at[i, 0], at[i, 1], at[i, 2], rows[i]
+            if row < 0:
                 if sides[k, -1 - row]:
-                    out[i, 4 + k] = (_side(x, y, outlines[k], -1 - row) - d) / steps[k]
-            continue
-        d = _body(x, y, z, parts, row)[0]
-        for k in range(count):
-            if bodies[k, row]:
-                there = _body(x, y, z, moved[k], row)[0]
+                    out[i, 4 + k] = (_side(x, y, outline, -1 - row) - here[i]) / steps[k]
+            elif bodies[k, row]:
+                there = _body(x, y, z, table, row)[0]
                 # A point just above the axis of one side of a barrel may come to lie behind it, where that body ends.
-                out[i, 4 + k] = (there - d) / steps[k] if there > -inf else 0.0
+                out[i, 4 + k] = (there - here[i]) / steps[k] if there > -inf else 0.0
     return out
 
 

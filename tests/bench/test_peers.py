@@ -13,7 +13,7 @@ from bench.peers.job import CLOUD, Job, write_points
 
 def chosen(**given) -> Namespace:
     return Namespace(
-        **({"points": 20_000, "rounds": 1, "vaults": "groin", "peers": "paper", "peer_python": sys.executable} | given)
+        **({"points": 10_000, "rounds": 1, "vaults": "groin", "peers": "paper", "peer_python": sys.executable} | given)
     )
 
 

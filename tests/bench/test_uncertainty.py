@@ -8,7 +8,8 @@ from bench.uncertainty import FIRST, measure, within
 
 
 def test_the_truth_of_scanned_rooms_mostly_lies_within_the_stated_deviations() -> None:
-    numbers, left_out = measure(range(FIRST, FIRST + 3), points=30_000)
+    quickest = (FIRST + 7, FIRST + 8, FIRST + 10)  # a sail, a barrel, a trough vault
+    numbers, left_out = measure(quickest, points=30_000)
     assert sum(left_out.values()) <= 2
     assert {"pose", "parameter", "derived"} == {n.kind for n in numbers}
     assert within(numbers).mean() > 0.75

@@ -79,7 +79,7 @@ def test_settled_masonry_keeps_its_components_whatever_the_seed(vault, points, g
     xyz, normals, truth = cloud(vault, points, noise=0.003)
     plan = (xyz[:, :2] - xyz[:, :2].mean(axis=0)) / np.ptp(xyz[:, :2], axis=0)
     xyz[:, 2] -= 0.025 * np.cos(3.0 * plan[:, 0] + 0.3) * np.cos(3.0 * plan[:, 1] - 0.2)
-    for seed in range(6):
+    for seed in range(6 if points < 100_000 else 3):
         found = detect(xyz, normals if given else None, rng=np.random.default_rng(seed))
         assert compare(found.labels, truth).mean_iou > 0.93
 

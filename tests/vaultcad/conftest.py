@@ -4,6 +4,7 @@ And a small scan, for fits whose accuracy is not what matters.
 """
 
 import dataclasses
+import sys
 from collections.abc import Callable
 from functools import cache
 from math import nan, radians, sqrt
@@ -20,6 +21,16 @@ from vaultcad.scanner import ScannerSettings, scan, write_scan
 from vaultcad.uncertain import Covariance, Deviation, Estimate
 
 IDS = tuple(cls.id for cls in FAMILIES)
+WITHOUT_EXTRAS = """
+import sys
+class Missing:
+    def find_spec(self, name, path, target=None):
+        if name.partition(".")[0] in ("open3d", "cadquery", "vtk", "vtkmodules", "plotly", "pytest", "mypy"):
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+sys.meta_path.insert(0, Missing())
+from vaultcad.cli import main
+sys.exit(main())
+"""
 
 
 def deviation(scale: float = 0.01) -> Deviation:
@@ -90,6 +101,12 @@ def building() -> Model:
     between = arched((2, 1), Pose(2.55, 0.0, 3.0, radians(90)))
     origin = np.array([512_000.0, 4_871_000.0, 210.0])
     return make("groin", vaults=(*bays, upper), arches=(between,), origin=origin, scan=Path("two bays.e57"))
+
+
+@pytest.fixture(scope="session")
+def without_extras() -> list[str]:
+    """The program in a process of its own that has none of the extras; its arguments are to follow."""
+    return [sys.executable, "-c", WITHOUT_EXTRAS]
 
 
 @pytest.fixture(scope="session")

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from families import FAMILIES
+from families import FAMILIES, Annular
 from vaultcad.change.motion import Places, Trend, Waves, estimated, likelihoods
-from vaultcad.change.places import Sights, azimuth, places, readings, wind
+from vaultcad.change.places import Sights, azimuth, crown_of, places, readings, wind
 from vaultcad.mechanisms import LARGE, MECHANISMS, PARTS, Body, shapes
 
 BODY = Body(np.array([2.5, 2.0]), 2.5, 3.0)
@@ -28,9 +28,20 @@ def test_walls_fade_in_one_way_at_a_time_and_what_does_not_fade_is_always_there(
     assert (ways.sum(axis=0) == np.where(fades, 1, len(ways))).all()
     for mine in ways:
         faded = shown.part[mine & fades].tolist()
-        assert faded == ["spread x", "spread y", "lean x", "lean y"]
+        assert faded == ["spread x", "spread x", "spread y", "spread y", "lean x", "lean y"]
     shallow = shapes(at, Body(BODY.half, BODY.rise, 0.5))  # all reach as far down as walls are seen
     assert len(shallow.alternatives()) == 2
+
+
+@pytest.mark.parametrize("across", [np.sin, np.tanh, lambda x: x], ids=["sine", "bodies", "linear"])
+def test_halves_may_part_as_bodies_or_stretch_evenly(across):
+    """All of it below the crown; a sine fitted by what stretches evenly alone is off by a fifth of its size."""
+    x = np.linspace(-1, 1, 201)
+    moved = across(x * np.pi / 2) / across(np.pi / 2)
+    at = np.column_stack([x * BODY.half[0], np.zeros((201, 2))])
+    fields = shapes(at, BODY, ["spread x"]).fields[:, :, 0]
+    left = moved - fields @ np.linalg.lstsq(fields, moved, rcond=1e-9)[0]
+    assert np.abs(left).max() < 0.05
 
 
 def test_shapes_are_of_unit_size():
@@ -51,6 +62,12 @@ def test_figures_are_read_on_the_vault_and_rigid_motions_are_no_spread(family):
             assert abs(value) < 1e-12, one.name
     crown = wanted[0].terms[0][0]
     assert abs(vault.distance(crown[None])[0]) < 1e-6
+
+
+@pytest.mark.parametrize("angle", [2.0, np.pi, 5.0, 2 * np.pi])
+def test_the_crown_of_a_vault_round_a_court_is_on_its_crown_line_also_where_the_middle_is_under_it(angle):
+    vault = Annular(radius=4.0, span_ratio=0.7, angle=angle)
+    assert crown_of(vault)[2] == pytest.approx(vault.top, abs=0.01)
 
 
 @pytest.mark.parametrize("count", [1, 7])

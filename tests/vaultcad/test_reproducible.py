@@ -12,8 +12,8 @@ import pytest
 
 from segmentation import read, write_labelled
 from segmentation.io.stamp import stamp
+from vaultcad.cli import main
 
-ROOM = Path(__file__).parents[2] / "examples" / "room.laz"
 FIT = """
 import os, sys
 cores, points = int(sys.argv.pop(1)), int(sys.argv.pop(1))
@@ -27,7 +27,7 @@ sys.exit(max(main(["fit", scan, "-o", out, "--review", "--correlations"]) for ou
 
 
 def fit(scan: Path, *outs: Path, cores: int, points: int) -> None:
-    """In one process as often as there are folders."""
+    """In one process as often as there are folders; `points` are read and labelled at once."""
     threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), str(cores))
     environment = {**os.environ, **threads, "PYTHONHASHSEED": str(cores)}
     environment.pop("SOURCE_DATE_EPOCH", None)
@@ -35,13 +35,13 @@ def fit(scan: Path, *outs: Path, cores: int, points: int) -> None:
     subprocess.run(command, env=environment, check=True, capture_output=True)
 
 
-def test_every_file_of_a_fit_is_the_same_in_another_folder_on_other_cores_in_other_chunks(tmp_path):
-    other = tmp_path / "deeper" / "still" / ROOM.name
+def test_every_file_of_a_fit_is_the_same_in_another_folder_on_other_cores_in_other_chunks(tmp_path, room):
+    other = tmp_path / "deeper" / "still" / room.name
     other.parent.mkdir(parents=True)
-    shutil.copy(ROOM, other)
+    shutil.copy(room, other)
     os.utime(other, (0, 0))
-    fit(ROOM, tmp_path / "one", cores=1, points=1_000_000)
-    fit(other, tmp_path / "two", tmp_path / "three", cores=2, points=70_001)
+    fit(room, tmp_path / "one", cores=1, points=1_000_000)
+    fit(other, tmp_path / "two", tmp_path / "three", cores=2, points=12_001)
     one, *others = ({p.name: p.read_bytes() for p in (tmp_path / name).iterdir()} for name in ("one", "two", "three"))
     assert len(one) == 11
     for found in others:
@@ -69,7 +69,6 @@ def test_a_scan_whose_name_is_no_text_is_fitted(tmp_path, room):
     scan = tmp_path / os.fsdecode(b"Gew\xf6lbe ';ENDSEC;.laz")
     shutil.copy(room, scan)
     out = tmp_path / os.fsdecode(b"Gew\xf6lbe\n'")
-    run = subprocess.run([sys.executable, "-c", FIT, "2", "1000000", scan, out], capture_output=True, check=False)
-    assert run.returncode == 0, run.stderr
+    assert main(["fit", str(scan), "-o", str(out), "--review", "--family", "sail"]) == 0
     assert len(list(out.iterdir())) == 11
     assert "Gew\ufffdlbe" in (out / "report.json").read_text(encoding="utf-8")

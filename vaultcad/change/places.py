@@ -97,10 +97,10 @@ def on_intrados(vault: Vault, xy: Array) -> tuple[Array, Array]:
 
 
 def crown_of(vault: Vault) -> Array:
-    """The place (3,) [m] of the crown: over the middle of the plan, or where the plan has none, the highest nearest."""
+    """The place (3,) [m] of the crown: over the middle of the plan, or of a plan round a court the highest nearest."""
     low, high = vault.plan.box
     middle = (np.asarray(low) + np.asarray(high)) / 2
-    if not vault.plan.holds(middle[None])[0]:
+    if any(side.centre is not None and not side.inside for side in vault.plan.sides):
         steps = np.linspace(low + 0.01, high - 0.01, 41)
         grid = np.stack(np.meshgrid(*steps.T, indexing="ij"), axis=-1).reshape(-1, 2)
         grid = grid[vault.plan.holds(grid)]

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import product
+from math import log
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,7 +80,7 @@ def read_deformation(
         figures = zip(wanted, mean, honest(np.hypot(wider * std, stone.misfit), registration), strict=True)
         return Against(id, reference, tuple(movement_of(one, m, s, yaw) for one, m, s in figures))
 
-    ways = _ways(stone, choices, demands)
+    ways = borne_out(_ways(stone, choices, demands), trend, waves)
     fadings = [
         (odds, Trend.of_shapes(seen[:, mine], figures[:, mine], parts[mine]))
         for odds, mine in _likely_fadings(ways[0], trend, stone.fadings, waves)
@@ -119,6 +120,16 @@ def _ways(stone: Stone, choices: Sequence[Choice], demands: Demands) -> list[_Wa
             free = demands.freedom(choice.placed.vault, choice.kept)
             found.append((choice.chance, *stone.against(_at_rest(refined, choice.placed, free))))
     return found
+
+
+def borne_out(ways: Sequence[_Way], trend: Trend, waves: Waves) -> list[_Way]:
+    """Those that the blocks here, finer and with walls, do not rule out.
+
+    Choices rest on few points, and on none near edges: a row of lunettes whose pitch is 10 cm off was as likely there.
+    """
+    whole = ((rest, trend.beside(*known)) for _, rest, known in ways)
+    every = [likelihoods(rest, all_, waves, [np.ones(len(all_.mean), np.bool_)])[0] for rest, all_ in whole]
+    return [way for way, one in zip(ways, every, strict=True) if one > max(every) + DOUBT * log(LIKELY)]
 
 
 def _at_rest(refined: Refined, placed: Placed, free: Freedom) -> Solution:

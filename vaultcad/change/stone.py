@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vaultcad.change.motion import Trend
 from vaultcad.change.places import Sights
-from vaultcad.change.strays import without_strays
+from vaultcad.change.strays import with_most, without_strays
 from vaultcad.find.likelihood import ENOUGH, near_edges, secants
 from vaultcad.find.practice import beforehand
 from vaultcad.find.refine import WIDEST, Refined
@@ -116,8 +116,10 @@ class Stone:
 
     def against(self, solution: Solution) -> tuple[Array, Known]:
         """What usable blocks are off a solution (m,) [m], and what is known of its unknowns."""
-        residual = self.means(solution.residuals[:, None])[:, 0]
-        return residual, (self.means(secants(solution, self.refined.points)), *beforehand(solution))
+        blocks = with_most(self.blocks, solution.residuals)
+        residual = blocks.means(solution.residuals[:, None])[self.usable, 0]
+        slopes = blocks.means(secants(solution, self.refined.points))[self.usable]
+        return residual, (slopes, *beforehand(solution))
 
     @property
     def walls(self) -> Sights:

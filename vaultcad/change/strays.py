@@ -24,6 +24,14 @@ def without_strays(blocks: Partition, residuals: Array) -> Partition:
 
     A few centimetres of a lamp's cord move the mean of a block by millimetres, and several such blocks a wall.
     """
+    blocks = with_most(blocks, residuals)
+    left = np.bincount(blocks.block[blocks.weights > 0], minlength=len(blocks.weight))
+    enough = left >= min(FEWEST, 0.5 * float(np.median(left[left > 0])))
+    return replace(blocks, weights=np.where(enough[blocks.block], blocks.weights, 0.0))
+
+
+def with_most(blocks: Partition, residuals: Array) -> Partition:
+    """The blocks with no weight on points whose residuals (n,) [m] are not those of most in their block."""
     count, on = len(blocks.weight), blocks.weights > 0
     for _ in range(ROUNDS):
         block, mine = blocks.block[on], residuals[on]
@@ -31,6 +39,4 @@ def without_strays(blocks: Partition, residuals: Array) -> Partition:
         scatter = np.maximum(1.4826 * group_medians(block, off[on], count), EXACT)
         scatter = np.minimum(scatter, ROUGHEST * np.nanmedian(scatter))
         on = on & (off <= STRAYING * scatter[blocks.block])
-    left = np.bincount(blocks.block[on], minlength=count)
-    enough = left >= min(FEWEST, 0.5 * float(np.median(left[left > 0])))
-    return replace(blocks, weights=np.where(on & enough[blocks.block], blocks.weights, 0.0))
+    return replace(blocks, weights=np.where(on, blocks.weights, 0.0))

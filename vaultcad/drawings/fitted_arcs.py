@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import hypot
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
@@ -19,11 +20,12 @@ def fitted_arcs(row: Floats, off: float = OFF) -> tuple[Floats, tuple[float, ...
 
     Greedy: each goes as far as it can. Ends of the row are kept, and so is a corner of it, where a new piece begins.
     """
+    row = np.ascontiguousarray(row, np.float64)
     corners, bulges, k = [row[0]], [], 0
     sharp = _sharp(row)
     while k < len(row) - 1:
         end = int(sharp[np.searchsorted(sharp, k, side="right")])
-        k, bulge = _longest(row[: end + 1], k, off)
+        k, bulge = _longest(row, k, end, off)
         corners.append(row[k])
         bulges.append(bulge)
     return np.array(corners), (*bulges, 0.0)
@@ -36,40 +38,60 @@ def _sharp(row: Floats) -> NDArray[np.intp]:
     return np.append(np.flatnonzero(turn > CORNER) + 1, len(row) - 1)
 
 
-def _longest(row: Floats, start: int, off: float) -> tuple[int, float]:
-    """How far one piece from a point of the row can go, and its bulge: doubled, then halved."""
-    found, step = (start + 1, 0.0), 2
-    while start + step < len(row) and (bulge := _piece(row[start : start + step + 1], off)) is not None:
-        found, step = (start + step, bulge), 2 * step
-    low, high = found[0], min(start + step, len(row))
+@njit(cache=True)
+def _longest(row: Floats, start: int, end: int, off: float) -> tuple[int, float]:
+    """How far one piece from a point of the row can go, at most to `end`, and its bulge: doubled, then halved."""
+    found, bulge, step = start + 1, 0.0, 2
+    while start + step <= end:
+        fits, bent = _piece(row, start, start + step, off)
+        if not fits:
+            break
+        found, bulge, step = start + step, bent, 2 * step
+    low, high = found, min(start + step, end + 1)
     while high - low > 1:
         middle = (low + high) // 2
-        bulge = _piece(row[start : middle + 1], off)
-        if bulge is None:
-            high = middle
+        fits, bent = _piece(row, start, middle, off)
+        if fits:
+            bulge, low = bent, middle
         else:
-            found, low = (middle, bulge), middle
-    return found
+            high = middle
+    return low, bulge
 
 
-def _piece(part: Floats, off: float) -> float | None:
-    """The bulge of a line or an arc from the first to the last of points (n, 2) that is near all others, or None.
+@njit(cache=True)
+def _piece(row: Floats, first: int, last: int, off: float) -> tuple[bool, float]:
+    """Whether a line or an arc between two points of a row (n, 2) is near all others between, and its bulge.
 
     The centre of the arc is on the middle of the chord's normal, where least squares puts it (Kasa 1976).
     """
-    a, b = part[0], part[-1]
-    chord = b - a
-    length = float(np.hypot(*chord))
-    if length == 0:
-        return None
-    t, s = np.array([chord, [-chord[1], chord[0]]]) @ (part[1:-1] - a).T / length
-    if not len(t) or (np.abs(s).max() <= off and (np.diff(t, prepend=0.0, append=length) >= 0).all()):
-        return 0.0
-    side = float(np.sign(s.sum()))
-    power = (t - length / 2) ** 2 + s**2 - length**2 / 4
-    centre = float(2 * s @ power / (4 * s @ s))
+    ax, ay = row[first, 0], row[first, 1]
+    cx, cy = row[last, 0] - ax, row[last, 1] - ay
+    length = hypot(cx, cy)
+    if length == 0.0:
+        return False, 0.0
+    cx, cy = cx / length, cy / length
+    farthest, forwards, before, side, squares, pull = 0.0, True, 0.0, 0.0, 0.0, 0.0
+    for k in range(first + 1, last):
+        x, y = row[k, 0] - ax, row[k, 1] - ay
+        t, s = cx * x + cy * y, cx * y - cy * x
+        farthest, forwards, before = max(farthest, abs(s)), forwards and t >= before, t
+        side += s
+        squares += s * s
+        pull += s * ((t - length / 2) ** 2 + s * s - length * length / 4)
+    if farthest <= off and forwards and before <= length:
+        return True, 0.0
+    if squares == 0.0:
+        return False, 0.0
+    centre = pull / (2 * squares)
     radius = hypot(length / 2, centre)
-    turns = np.unwrap(np.arctan2(np.array([0.0, *s, 0.0]) - centre, np.array([0.0, *t, length]) - length / 2))
-    bulge = -2 * (centre + side * radius) / length
-    on = np.abs(np.hypot(t - length / 2, s - centre) - radius).max() <= off
-    return bulge if on and (np.diff(turns) * bulge >= 0).all() and abs(bulge) <= MOST_BULGE else None
+    bulge = -2 * (centre + np.sign(side) * radius) / length
+    if abs(bulge) > MOST_BULGE:
+        return False, 0.0
+    u, v = -length / 2, -centre  # the point before, from the centre
+    for k in range(first + 1, last + 1):
+        x, y = row[k, 0] - ax, row[k, 1] - ay
+        to_u, to_v = cx * x + cy * y - length / 2, cx * y - cy * x - centre
+        if abs(hypot(to_u, to_v) - radius) > off or (u * to_v - v * to_u) * bulge < 0.0:
+            return False, 0.0
+        u, v = to_u, to_v
+    return True, bulge

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import tan
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.export.geometry import shell
+from families import Vault
+from vaultcad.export.geometry import KEPT, shell
 from vaultcad.model import Assembly, PlacedVault
 
 Floats = NDArray[np.float64]
@@ -74,24 +76,25 @@ def plan_shape(model: Assembly, placed: PlacedVault) -> PlanShape:
         )
         for loop in vault.plan.loops
     )
-    lines = tuple(there(row) for row in groins(placed, model.thickness_of(placed)))
+    lines = tuple(there(row) for row in groins(vault, model.thickness_of(placed)))
     arrow, both = _arrow(placed)
     return PlanShape(outlines, tuple(outline_rows(placed)), lines, None if arrow is None else there(arrow), both)
 
 
-def groins(placed: PlacedVault, thickness: float) -> list[Floats]:
+@lru_cache(maxsize=KEPT)
+def groins(vault: Vault, thickness: float) -> tuple[Floats, ...]:
     """Rows (n, 2) in plan, in the vault's frame [m], in which two components meet, from one joint to the next."""
-    mesh, count = shell(placed.vault, thickness), len(placed.vault.components)
+    mesh, count = shell(vault, thickness), len(vault.components)
     shown = (mesh.component > 0) & (mesh.component <= count)
-    triangles, component = mesh.triangles[shown], mesh.component[shown]
+    triangles, component = mesh.triangles[shown].astype(np.int64), mesh.component[shown].astype(np.int64)
     places, weld = np.unique(np.round(mesh.vertices[:, :2], WELD), axis=0, return_inverse=True)
-    owners: dict[tuple[int, int], set[int]] = {}
-    for row, owner in zip(triangles.tolist(), component.tolist(), strict=True):
-        for k in range(3):
-            owners.setdefault((min(row[k], row[k - 1]), max(row[k], row[k - 1])), set()).add(owner)
-    weld = weld.ravel()
-    pairs = {tuple(sorted((int(weld[a]), int(weld[b])))) for (a, b), of in owners.items() if len(of) > 1}
-    return [simplified(places[row]) for row in _chained({(a, b) for a, b in pairs if a != b})]
+    ends = np.sort(np.stack([triangles, np.roll(triangles, 1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+    edges = ends @ [len(mesh.vertices), 1]
+    owned = np.unique(edges * (count + 1) + np.repeat(component, 3))  # each edge once for each of its components
+    edges, owners = np.unique(owned // (count + 1), return_counts=True)
+    a, b = weld.ravel()[np.stack(np.divmod(edges[owners > 1], len(mesh.vertices)))]
+    pairs = zip(np.minimum(a, b).tolist(), np.maximum(a, b).tolist(), strict=True)
+    return tuple(simplified(places[row]) for row in _chained({(a, b) for a, b in pairs if a != b}))
 
 
 def _chained(edges: set[tuple[int, int]]) -> list[list[int]]:

@@ -25,15 +25,19 @@ DIGITS, ANGLE_DIGITS = 4, 6  # a tenth of a millimetre
 def write_section_json(
     model: Model, sections: Sequence[Section], path: Path, coordinates: Coordinates = "file"
 ) -> None:
-    """Write them all, lines also in space, in those coordinates."""
-    whole = {
+    """Write them all, lines also in space, in those coordinates; each section is one line of the file."""
+    about = {
         "schema": SCHEMA,
         "scan": {"name": model.scan.name},
         "origin": [float(v) for v in model.origin],
         "coordinates": says(model, coordinates),
-        "sections": [plain(model, section, coordinates) for section in sections],
     }
-    path.write_text(json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    told = ",\n".join(_dumped(plain(model, section, coordinates)) for section in sections)
+    path.write_text(f'{_dumped(about)[:-1]}, "sections": [\n{told}\n]}}\n', encoding="utf-8")
+
+
+def _dumped(value: dict[str, Any]) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
 def plain(model: Model, section: Section, coordinates: Coordinates) -> dict[str, Any]:

@@ -41,15 +41,16 @@ def _possible(grid: Iterator[Vault]) -> Iterator[Vault]:
 
 
 def _suited(grid: Iterator[Vault], demands: Demands) -> Iterator[Vault]:
-    """Vaults of a grid that have the sizes that are fixed."""
+    """Vaults of a grid that have the sizes that are fixed; if none can, with another size changed.
+
+    A plan is guessed too large where clutter hangs beside it, so that no arch over it can have the rise that is fixed.
+    """
     if not demands.of_vault:
         yield from grid
         return
-    for vault in grid:
-        if (suited := demands.suited(vault)) is not None:
-            begun = demands.begun(suited)
-            if demands.met(begun):
-                yield begun
+    suited = [own for vault in grid if (own := demands.suited(vault)) is not None]
+    begun = [vault for vault in map(demands.begun, suited) if demands.met(vault)]
+    yield from begun or (near for vault in suited if (near := demands.within_reach(vault)) is not None)
 
 
 def _ways(family: type[Vault], ground: Ground, demands: Demands) -> Iterator[tuple[Footprint, float]]:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 
 from families import PROFILES, Profile, Vault
 from families.declaration.constraints import Constraint
 from families.declaration.profiles import as_kind
 
 EXACT_SIZE = 1e-6  # of sizes that are fixed
+REACHED = 1e-9  # m, of lengths that ties make: far less than the steps of finite differences change them
+CHANGES = tuple(sign * k / 50 for k in range(1, 11) for sign in (-1, 1))
+"""Shares by which a first guess of a size may be changed for the sake of a length that is fixed: guesses are rough."""
 Tie = Callable[[Vault], Mapping[str, float]]
 
 SPRINGING = Constraint("springing", "the springing is no lower than the lowest stone that the scan shows")
@@ -38,6 +42,15 @@ class Freedom:
         for tie in self.ties:
             vault = vault.replaced(tie(vault))
         return vault
+
+    def reaches(self, vault: Vault) -> bool:
+        """Whether the lengths of a vault are as they are given: else the other sizes do not allow them."""
+        return all(length.made(vault) for length in self.lengths)
+
+    @property
+    def lengths(self) -> tuple[_Made, ...]:
+        """Those that are given."""
+        return tuple(dict.fromkeys(tie for tie in self.ties if isinstance(tie, _Made)))
 
 
 @dataclass(frozen=True)
@@ -108,21 +121,40 @@ class Demands:
         made = {**vault.derived_values(), **vault.values()}
         return all(abs(made[name] - value) < EXACT_SIZE for name, value in self.sizes.items())
 
+    def within_reach(self, vault: Vault) -> Vault | None:
+        """The vault with the sizes that are fixed, others changed as little as allows it; None where that is much."""
+        free, ranges = self.freedom(vault), {p.name: p.range for p in vault.parameters()}
+
+        def changed(one: Vault) -> Iterator[Vault]:
+            values = one.values()
+            for change, name in product(CHANGES, free.names):
+                value = min(max(values[name] * (1 + change), ranges[name].low), ranges[name].high)
+                yield free.settled(one, {name: value})
+
+        found = free.settled(vault, {})
+        for length in free.lengths:
+            if not length.made(found):
+                found = next(filter(length.made, changed(found)), found)
+        return found if self.met(found) else None
+
     def freedom(self, vault: Vault, kept: Sequence[Constraint] = ()) -> Freedom:
         """All that may move while the constraints are kept."""
         own, lengths, sizes = vault.values(), decides(type(vault)), self.of(type(vault))
         values = {name: value for name, value in sizes.items() if name in own}
         made = [name for name in lengths if name in sizes and name not in own]
-        ties: list[Tie] = [_Made(name, sizes[name]) for name in made]
+        given: list[Tie] = [_Made(name, sizes[name]) for name in made]
+        following: list[Tie] = []
         taken = {*values, *(lengths[name] for name in made)}
         for constraint in kept:
             decided = constraint.holds(vault)
             if decided and not taken & set(decided):
                 taken |= set(decided)
                 values |= constraint.values
-                ties += [constraint.follows] if constraint.follows else []
+                following += [constraint.follows] if constraint.follows else []
         names = tuple(p.name for p in vault.parameters() if not p.integer and p.name not in taken)
-        return Freedom(names, values, tuple(ties), {"yaw": 0.0, **self.pose} if vault.plan.turns else self.pose)
+        # What follows may hang on a length that is given, and that on what follows: coves on the narrower of them.
+        ties = (*given, *following, *given) if following else tuple(given)
+        return Freedom(names, values, ties, {"yaw": 0.0, **self.pose} if vault.plan.turns else self.pose)
 
     def keepable(self, vault: Vault) -> tuple[Constraint, ...]:
         """The constraints of a vault that nobody has let go; not the rectangle where nobody may."""
@@ -149,6 +181,10 @@ class _Made:
 
     name: str
     length: float
+
+    def made(self, vault: Vault) -> bool:
+        """Whether a vault has it."""
+        return abs(float(getattr(vault, self.name)) - self.length) < REACHED
 
     def __call__(self, vault: Vault) -> Mapping[str, float]:
         from scipy.optimize import brentq

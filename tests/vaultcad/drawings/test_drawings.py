@@ -31,6 +31,13 @@ def audited(path):
     return document
 
 
+@pytest.fixture(scope="module")
+def sheets_of_building(building, tmp_path_factory):
+    """The sheets of the building, and the folder in which they are."""
+    folder = tmp_path_factory.mktemp("drawings") / "out"
+    return drawn(building, folder), folder
+
+
 @pytest.mark.parametrize("name", IDS)
 def test_every_family_has_a_sheet_whose_sizes_are_the_models(make_model, tmp_path, name):
     model = make_model(name)
@@ -67,10 +74,10 @@ def test_paper_and_scale_are_true(make_model, tmp_path):
         assert (corner < sheet.paper).all()
 
 
-def test_a_building_has_a_plan_a_storey_and_a_sheet_a_vault(building, tmp_path):
-    made = drawn(building, tmp_path / "out")
+def test_a_building_has_a_plan_a_storey_and_a_sheet_a_vault(sheets_of_building):
+    made, folder = sheets_of_building
     assert [sheet.name for sheet in made] == ["plan-1", "plan-2", "vault-1", "vault-2", "vault-3"]
-    document = audited(tmp_path / "out" / CAD)
+    document = audited(folder / CAD)
     assert document.layout_names() == ["Model", *(sheet.name for sheet in made)]
     texts = {text.dxf.text for text in document.modelspace().query("TEXT")}
     assert {"1  A2", "2  A1", "3  B1", "a1", "+213.000 +215.500"} <= texts
@@ -84,10 +91,10 @@ def test_what_does_not_fit_is_refused_with_a_way_out(make_model):
     assert sheets(make_model("groin"), Wish(20))[0].paper != PAPERS["A3"]  # a larger one is taken
 
 
-def test_the_same_model_gives_the_same_bytes(building, tmp_path):
-    for name in "ab":
-        drawn(building, tmp_path / name)
-    files = sorted(path.name for path in (tmp_path / "a").iterdir())
+def test_the_same_model_gives_the_same_bytes(building, sheets_of_building, tmp_path):
+    _, folder = sheets_of_building
+    drawn(building, tmp_path / "again")
+    files = sorted(path.name for path in folder.iterdir())
     assert len(files) == 7
     for name in files:
-        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+        assert (folder / name).read_bytes() == (tmp_path / "again" / name).read_bytes(), name

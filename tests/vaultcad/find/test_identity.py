@@ -25,17 +25,19 @@ from families import (
     Vault,
 )
 from segmentation.cloud import Cloud
+from vaultcad.find.findings import find_vaults
 from vaultcad.find.identity import is_its_family, shows_its_family
 from vaultcad.fit.solve import Placed
-from vaultcad.pipeline import fit_scan
 from vaultcad.pose import Pose
+from vaultcad.survey.thinned_scan import thin_scan
 
 
 def recognised(vault: Vault) -> Vault:
     """What a scan of a vault, a little noisy, is taken for."""
     rng = np.random.default_rng(4)
     xyz = vault.sample(150_000, rng).xyz
-    return fit_scan(Cloud((xyz + 0.002 * rng.standard_normal(xyz.shape)).astype(np.float32))).model.vaults[0].vault
+    cloud = Cloud((xyz + 0.002 * rng.standard_normal(xyz.shape)).astype(np.float32))
+    return find_vaults(thin_scan(cloud), cloud.xyz, FAMILIES, np.random.default_rng(0)).vaults[0].placed.vault
 
 
 @pytest.mark.parametrize("cls", FAMILIES, ids=lambda c: c.id)

@@ -5,18 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from families import Barrel, Groin, Sail
+from families import Barrel, Groin
 from segmentation.cloud import AXES, Cloud, Up, stood_up, turn, turn_back
 from vaultcad.errors import NoVaultError
 from vaultcad.find.upright import PHONES, stand_up
 from vaultcad.scanner import ScannerSettings, VirtualScan, scan
 
-FAMILIES = (Sail, Barrel, Groin)
+FAMILIES = (Barrel, Groin)
 
 
 @pytest.fixture(scope="module")
 def virtual() -> VirtualScan:
-    return scan(Groin(4, 5), ScannerSettings(points=20_000), rng=np.random.default_rng(1))
+    settings = ScannerSettings(points=20_000, openings=1, tie_rods=0, furniture=0)
+    return scan(Groin(4, 5), settings, rng=np.random.default_rng(1))
 
 
 @pytest.mark.parametrize("up", AXES)
@@ -29,9 +30,7 @@ def test_turning_back_undoes_a_turn_and_mirrors_nothing(up: Up) -> None:
     assert turn(axis, up).tolist() == [[0, 0, 1]]
 
 
-@pytest.mark.parametrize(
-    ("up", "axes"), [("z", ("z", *PHONES)), ("y", tuple(AXES)), ("-x", ("x", "-x", "z"))], ids=["z", "y", "-x"]
-)
+@pytest.mark.parametrize(("up", "axes"), [("-x", tuple(AXES)), ("y", PHONES), ("z", ("z", "-z"))], ids=["-x", "y", "z"])
 def test_the_vault_tells_which_way_is_up(up: Up, axes: tuple[Up, ...], virtual: VirtualScan) -> None:
     in_file = Cloud(turn_back(virtual.xyz, up).astype(np.float32), origin=np.array([1.0, 2.0, 3.0]))
     stood = stand_up(in_file, np.random.default_rng(0), families=FAMILIES, axes=axes)

@@ -32,6 +32,7 @@ from vaultcad.pipeline import fit_scan
 from vaultcad.pose import Pose
 
 POSE = Pose(1.2, -0.7, 3.1, 0.4)
+DENSE = (Barrel, Lunette, Annular)  # whose ends or rims no wall and no corner tells: their outermost points do
 IDEALS = (
     Sail(5.2, 4.4, 0.8),
     Barrel(4.8, 7.3, Pointed(0.7)),
@@ -67,7 +68,7 @@ def same_again(truth: Vault) -> float:
 
 @pytest.mark.parametrize("truth", IDEALS, ids=lambda v: v.id)
 def test_the_fit_of_an_ideal_cloud_returns_every_parameter_within_a_millimetre(truth: Vault) -> None:
-    sample = truth.sample(1_000_000, np.random.default_rng(3))
+    sample = truth.sample(1_000_000 if isinstance(truth, DENSE) else 300_000, np.random.default_rng(3))
     turn = POSE.placement()
     xyz = (sample.xyz @ turn[:3, :3].T + turn[:3, 3]).astype(np.float32)
 

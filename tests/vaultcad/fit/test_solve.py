@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from families import Barrel, Groin, Segmental
+from families import Barrel, Groin, Mirror, Pointed, Rib, Rotunda, Segmental, Vault
+from vaultcad.fit.freedom import Demands
 from vaultcad.fit.solve import Placed, Solution, robust_cost, solve
+from vaultcad.fit.uncertainty import slopes_of_distances
 from vaultcad.pose import Pose
 
 TRUTH = Placed(Groin(4.2, 4.6, Segmental(0.4), Segmental(0.36)), Pose(1.0, -2.0, 3.0, 0.3))
@@ -79,3 +81,59 @@ def test_a_solution_keeps_the_order_of_its_unknowns() -> None:
     found: Solution = solve(TRUTH, points, np.ones(len(points)), ("span_y",), (0.05,))
     assert found.names == ("x", "y", "z", "yaw", "span_y")
     assert found.jacobian.shape == (len(points), 5)
+
+
+REACH = [
+    (Mirror(4.0, 4.5, 0.5, 0.5, rise_ratio=1.0, plane_ratio=0.7), {"cove_rise": 1.02}),
+    (Rib(4.4, 3.8, Pointed(0.5), Pointed(0.6)), {"rise_x": 0.98}),
+    (Rotunda(2.0, Pointed(0.5)), {"rise": 0.98}),
+    (Barrel(4.0, 5.0, Segmental(0.49)), {"rise": 1.03}),
+]
+"""Vaults that have the most or the least of a length that they can, and by how much more or less is asked."""
+
+
+@pytest.mark.parametrize(("vault", "asked"), REACH, ids=lambda one: getattr(one, "id", ""))
+def test_a_length_that_is_given_is_met_where_the_stone_draws_other_sizes_beyond_what_allows_it(
+    vault: Vault, asked: dict[str, float]
+) -> None:
+    made = vault.derived_values()
+    demands = Demands({name: made[name] * by for name, by in asked.items()}, {"z": 0.0})
+    begun = demands.within_reach(vault)
+    assert begun is not None
+    assert demands.met(begun)
+    points = vault.sample(1500, rng=np.random.default_rng(3)).xyz
+    start, weights = Placed(begun, Pose(0.02, -0.01, 0.0, 0.01)), np.ones(1500)
+    found = solve(start, points, weights, demands.freedom(begun, demands.begun_with(begun)), (0.3,))
+    assert demands.met(found.placed.vault)
+    assert robust_cost(found.residuals, 0.3).mean() < 0.95 * robust_cost(start.distance(points), 0.3).mean()
+
+
+@pytest.mark.parametrize("run_y", [0.3, 0.4, 0.44, 0.6])
+def test_what_is_given_holds_beside_what_follows(run_y: float) -> None:
+    """Coves rise by a share of the narrower, and by a constraint all are as wide as those along x."""
+    vault = Mirror(4.0, 4.5, 0.5, run_y, rise_ratio=0.8, plane_ratio=0.7)
+    demands = Demands({"cove_rise": 0.7, "rise": 0.45})
+    equal = [one for one in vault.constraints if one.name == "equal-coves"]
+    free = demands.freedom(vault, equal)
+    for share in (0.45, 0.5, 0.55):
+        made = free.settled(vault, {"run_x_ratio": share})
+        assert demands.met(made)
+        assert free.reaches(made)
+        assert made.derived_values()["run_x"] == pytest.approx(made.derived_values()["run_y"])
+
+
+def test_slopes_are_told_one_way_where_the_other_would_change_a_length_that_is_given() -> None:
+    vault = Rotunda(2.0, Pointed(0.5))  # no wider one has its rise
+    free = Demands({"rise": 2.0}).freedom(vault)
+    points = vault.sample(300, rng=np.random.default_rng(3)).xyz
+    placed = Placed(vault, Pose(0.0, 0.0, 0.0, 0.0))
+    found = solve(placed, points, np.ones(300), free, (0.1,), most=1)
+    slopes = slopes_of_distances(replace(found, placed=placed), points)[:, found.names.index("radius")]
+    less = free.settled(vault, {"radius": 2.0 - 1e-5})
+    assert less.derived_values()["rise"] == pytest.approx(2.0)
+    told = (placed.distance(points) - Placed(less, placed.pose).distance(points)) / 1e-5
+    assert slopes == pytest.approx(told, abs=1e-3)
+
+
+def test_a_size_that_no_near_guess_can_have_has_none() -> None:
+    assert Demands({"rise": 5.0}).within_reach(Barrel(4.0, 5.0, Segmental(0.3))) is None

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
-from families import Barrel, Groin, Lunette, Sail, Segmental, Semicircular
+from families import FAMILIES, Barrel, Groin, Lunette, Sail, Segmental, Semicircular
 from segmentation import compare
 from segmentation.cloud import Cloud
-from vaultcad.pipeline import Result, fit_scan
+from vaultcad.find.findings import find_vaults
+from vaultcad.fit.label import ArchBand, Labels, label
+from vaultcad.fit.solve import Placed
+from vaultcad.pipeline import fit_scan
 from vaultcad.scanner import Bay, ScannerSettings, SceneScan, row, scan_bays
 from vaultcad.survey.bays import CeilingGrid
 from vaultcad.survey.thinned_scan import thin_scan
@@ -32,42 +36,47 @@ SCENES: dict[str, tuple[Bay, ...]] = {
 }
 
 
+@cache
 def scanned(bays: tuple[Bay, ...]) -> SceneScan:
     return scan_bays(bays, yaw=0.4, rng=np.random.default_rng(5))
 
 
-def fitted(scene: SceneScan) -> Result:
-    return fit_scan(Cloud(scene.xyz.astype(np.float32)))
+def found_in(scene: SceneScan) -> tuple[list[Placed], Labels]:
+    """The vaults of a scene, and the labels of its points."""
+    xyz = scene.xyz.astype(np.float32)
+    found = find_vaults(thin_scan(Cloud(xyz)), xyz, FAMILIES, np.random.default_rng(0))
+    bands = [(one.placed, one.tolerance) for one in found.vaults]
+    arched = [ArchBand(one.barrel.placed, one.barrel.tolerance, one.faces(found.arches)) for one in found.arches]
+    return [placed for placed, _ in bands], label(xyz, bands, arched)
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_every_bay_is_found_with_its_family_its_size_and_its_points(name: str) -> None:
     bays, scene = SCENES[name], scanned(SCENES[name])
-    result = fitted(scene)
-    assert len(result.model.vaults) == len(bays)
-    assert set(np.unique(result.labels.vault)) == set(range(len(bays) + 1))
+    vaults, labels = found_in(scene)
+    assert len(vaults) == len(bays)
+    assert set(np.unique(labels.vault)) == set(range(len(bays) + 1))
     for k, (bay, truth) in enumerate(zip(bays, scene.truths, strict=True), 1):
         # The number of a vault is told by where it stands.
         places = [
-            np.hypot(f.pose.x - truth["pose"]["origin"][0], f.pose.y - truth["pose"]["origin"][1])
-            for f in result.model.vaults
+            np.hypot(f.pose.x - truth["pose"]["origin"][0], f.pose.y - truth["pose"]["origin"][1]) for f in vaults
         ]
         number = int(np.argmin(places)) + 1
-        found = result.model.vaults[number - 1]
+        found = vaults[number - 1]
         assert places[number - 1] < 0.1
         assert found.vault.id == bay.vault.id
         spans = sorted(2 * half for half in (found.vault.plan.half_x, found.vault.plan.half_y))
         assert spans == pytest.approx(
             sorted(2 * half for half in (bay.vault.plan.half_x, bay.vault.plan.half_y)), abs=0.1
         )
-        mine = (scene.bay == k) | (result.labels.vault == number)
-        found_labels = np.where(result.labels.vault == number, result.labels.component, 0)[mine]
+        mine = (scene.bay == k) | (labels.vault == number)
+        found_labels = np.where(labels.vault == number, labels.component, 0)[mine]
         assert compare(found_labels, np.where(scene.bay == k, scene.component, 0)[mine]).mean_iou > 0.9
 
 
 def test_lunettes_do_not_cut_up_their_barrel() -> None:
     vault = Lunette(5, 9, Semicircular(), 3, 1.0, 0.0, 0.8, 0.3, Semicircular())
-    (found,) = fitted(scanned(row([vault], ROOMS))).model.vaults
+    ((found,), _) = found_in(scanned(row([vault], ROOMS)))
     assert isinstance(found.vault, Lunette)
     assert found.vault.count == 3
 

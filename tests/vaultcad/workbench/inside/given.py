@@ -21,15 +21,20 @@ def told(work):
         tell({"failed": traceback.format_exc()})
 
 
+def extent(obj):
+    """How far its shape goes along each axis [mm]."""
+    box = obj.Shape.BoundBox
+    return [round(v, 3) for v in (box.XMin, box.XMax, box.YMin, box.YMax, box.ZMin, box.ZMax)]
+
+
 def state(obj):
     """What of a vault must be right at any time."""
-    box = obj.Shape.BoundBox
     return {
         "states": list(obj.State),
         "valid": obj.Shape.isValid(),
         "faces": len(obj.Shape.Faces),
         "names": list(obj.FaceNames),
         "colours": len(obj.FaceColors),
-        "box": [round(v, 3) for v in (box.XMin, box.XMax, box.YMin, box.YMax, box.ZMin, box.ZMax)],
+        "box": extent(obj),
         "volume": round(obj.Shape.Volume),
     }
