@@ -6,8 +6,8 @@ roughness: what settlement and plaster leave of the right family, and what a wro
 breaks where edges of the model are not the stone's. The odds are the ratio of marginal likelihoods (Jeffreys 1961).
 
 Old rubble and thick plaster leave as much as a wrong family does, but here and there, while a family that is wrong is
-mostly wrong on both sides alike, or all round. What does not repeat itself in a mirror may be a rough vault of the
-right family: it is named, with the doubt; only what is no such vault either is refused.
+wrong on both sides alike, or all round: in the mirrors of the plan its residuals repeat themselves, or their negative,
+as those of a ramp do. What does not is a rough vault of the right family, and that is the third hypothesis.
 """
 
 from __future__ import annotations
@@ -50,13 +50,18 @@ DOUBTFUL = 0.2  # chance of that from which on it is said why
 SMALL, SMALL_REFUSED = 4.0, 0.8  # m² of a plan up to which coffers and niches are as frequent; refused from there on
 RIDGED = 0.999  # chance of that where it runs in ridges all over
 BESIDE, SURELY = (0.06, 0.12), 4.5  # shares of what is bent over a plan, off the model, that say nothing; and so much
+IN_POCKETS = 0.0, 0.1, 0.5  # chance of that where stone goes back behind a vault in no place, one, and more
+COLUMN = 0.25  # m, edge of the plan's cells in which a vault is seen or not
 QUARTER, HALF = 0.25, 0.5  # shares of what is bent in a scan; where that is explained, this may be parts of the rest
 MOST_LEFT = 0.8  # chance of that where no more than a quarter is explained; nought from a half on
-ROUGH = 0.15  # chance beforehand that a vault is as rough as what a wrong family leaves
+ROUGH = 0.3  # chance beforehand that a vault is of rough stone / that it is not
+ROUGHEST = 0.025, 0.01  # m off the model up to which stone may be rough; by how much more it seldom is
 MIRRORS = np.array([[-1, 1, 1], [1, -1, 1], [-1, -1, 1]])  # of the plan
-BY_CHANCE, BY_SHAPE = (0.2, 0.2), (0.7, 0.25)  # mean and spread of how far residuals are alike in a mirror
-# Set by hand, then looked at on six vaults with waves of 8 to 25 mm and ten seen as another family (29 November 2026).
-MOST_ODDS = log(10.0)  # of chance, that such a correlation can tell
+# Mean and spread of how far residuals are alike there; set by hand on 13 virtual rooms that had settled: 0.10 to 0.68;
+# on nine vaults of other hands and eight rooms with waves of 6 to 25 mm: 0.07 to 0.55; on four rooms seen as another
+# family: 0.67 to 0.89 (30 November 2026).
+OF_SETTLED, OF_ROUGH, OF_WRONG = (0.45, 0.2), (0.3, 0.13), (0.75, 0.2)
+MOST_ODDS = log(10.0)  # that such a likeness can tell
 WAVES, OF_VARIANCE = range(3, 13), 0.4  # round an axis, and the share of the residuals from which on they are named
 
 
@@ -71,9 +76,10 @@ def _prior(strength: float, spread: float, roughness: float, rough_spread: float
 
 
 LEFT_BY_THE_RIGHT = _prior(0.004, 0.7, 0.0018, 0.5)
-LEFT_BY_A_WRONG_ONE = _prior(0.015, 0.8, 0.005, 0.7)  # and by rough stone
+LEFT_BY_A_WRONG_ONE = _prior(0.015, 0.8, 0.005, 0.7)
 """From 26 and 21 virtual rooms (29 November 2026), settled by up to 5 cm, fitted with their family and without it;
 `python -m bench strangers` tries others."""
+LEFT_BY_ROUGH_STONE = _prior(0.012, 0.5, 0.005, 0.5)  # as on the 16 vaults below
 
 
 @dataclass(frozen=True)
@@ -81,9 +87,10 @@ class Misfit:
     """What the stone says against the best model.
 
     chance: that it is of none of the families. off: root mean square of the stone's distance, over blocks [m]. waves:
-    round the axis, in which most of it runs; 0 if in none. certain: chance likewise, where stone may be rough, too.
+    round the axis, in which most of it runs; 0 if in none. certain: chance likewise, by the vault's own stone alone.
     ridges: in which it runs, as corrugated sheet. beside: share of what is bent over the plan that is no part of it.
-    share: of what is bent over all rooms of the scan, that all its vaults explain.
+    pockets: places in which stone goes back behind it. share: of what is bent over all rooms of the scan, that all its
+    vaults explain.
     """
 
     chance: float
@@ -92,6 +99,7 @@ class Misfit:
     certain: float = 0.0
     ridges: Ridges | None = None
     beside: float = 0.0
+    pockets: int = 0
     share: float = 1.0
 
     @classmethod
@@ -119,29 +127,41 @@ class Misfit:
         blocks = Blocks(parts.weight, mean, np.empty((len(mean), 0)), parts.place, parts.normal, usable)
         plan = placed.vault.plan
         likely = field_likelihood(blocks, plan, placed.vault.derived_values()["rise"])
-        right, wrong = (
-            float(np.logaddexp.reduce(likely + prior, axis=None)) for prior in (LEFT_BY_THE_RIGHT, LEFT_BY_A_WRONG_ONE)
-        )
+        priors = (LEFT_BY_THE_RIGHT, LEFT_BY_ROUGH_STONE, LEFT_BY_A_WRONG_ONE)
+        right, stone, wrong = (float(np.logaddexp.reduce(likely + prior, axis=None)) for prior in priors)
         waves = _waves(parts.place[usable], mean[usable], plan)
         alike = 1.0 if waves else _alike(parts.place[usable], mean[usable], plan)
-        rough = float(np.logaddexp(right, wrong + log(ROUGH) + _log_odds_of_chance(alike)))
+        settled, by_chance = (_log_odds(alike, of) for of in (OF_SETTLED, OF_ROUGH))
         off = float(np.sqrt(np.mean(mean[usable] ** 2)))
-        return cls(_strange(wrong - right), off, waves, _strange(wrong - rough))
+        coarse = -0.5 * max((off - ROUGHEST[0]) / ROUGHEST[1], 0.0) ** 2
+        known = float(np.logaddexp(right + settled, stone + log(ROUGH) + coarse + by_chance))
+        chance = _strange(wrong - known)
+        return cls(chance, off, waves, chance)
 
     def with_stone_beside(self, placed: Placed, site: Site) -> Misfit:
         """The same, of a vault that may be one web of another: then much hangs over its plan that is no part of it.
 
-        What is level there may be a scaffold, or a loft.
+        What is level there may be a scaffold, or a loft; and where the vault is seen over or under it, it is no stone
+        of that, but a lamp, a tie rod or the wall of a window.
         """
         frame = placed.pose.frame()
         local = site.points @ frame[:, :3].T + frame[:, 3]
         bent = (np.abs(site.normals[:, 2]) > STEEP) & (np.abs(site.normals[:, 2]) < LEVEL_NORMAL)
-        over = bent & (local[:, 2] > 0) & placed.vault.plan.holds(local[:, :2])
-        if over.sum() < ENOUGH:
+        over = (local[:, 2] > 0) & placed.vault.plan.holds(local[:, :2])
+        if (over & bent).sum() < ENOUGH:
             return self
-        off = np.abs(placed.distance(site.points[over])) > REACH
-        share = float(np.average(off, weights=support(site.counts[over])))
+        cell = np.floor(local[over, :2] / COLUMN).astype(np.int64)
+        column = np.unique(cell, axis=0, return_inverse=True)[1].ravel()
+        on = np.abs(placed.distance(site.points[over])) < REACH
+        shown = np.bincount(column, on & (np.abs(site.normals[over, 2]) > STEEP)) > 0
+        off, counted = (~on & ~shown[column])[bent[over]], site.counts[over & bent]
+        share = float(np.average(off, weights=support(counted)))
         return replace(self, chance=1 - (1 - self.chance) * (1 - _one_web(share)), beside=share)
+
+    def with_pockets(self, pockets: int) -> Misfit:
+        """The same, where stone goes back behind it in so many places: one may be a door's, several are lunettes."""
+        other = IN_POCKETS[min(pockets, len(IN_POCKETS) - 1)]
+        return replace(self, chance=1 - (1 - self.chance) * (1 - other), pockets=pockets)
 
     def with_share(self, share: float) -> Misfit:
         """The same, of vaults that together explain that share of what is bent over the rooms of a scan.
@@ -160,6 +180,8 @@ class Misfit:
             return f"it runs in ridges {apart:.0f} cm apart and {deep:.1f} cm deep, as corrugated sheet does"
         if _one_web(self.beside) > DOUBTFUL:
             return f"{self.beside:.0%} of the stone over its plan is more than {100 * REACH:.0f} cm off it"
+        if self.pockets > 1:
+            return f"the stone goes back behind it in {self.pockets} places, as lunettes do that it does not have"
         if _part_of_more(self.share) > DOUBTFUL:
             return f"{1 - self.share:.0%} of what is bent over the rooms of the scan is not explained"
         waves = f" in {self.waves} waves round the axis" if self.waves else ""
@@ -212,9 +234,9 @@ def _waves(place: Array, residual: Array, plan: Plan) -> int:
 
 
 def _alike(place: Array, residual: Array, plan: Plan) -> float:
-    """Correlation of the residuals (m,) of blocks at (m, 3) with those in a mirror of the plan, or turned by half.
+    """How far the residuals (m,) of blocks at (m, 3) are those in the mirrors of the plan and turned by half, 0 to 1.
 
-    The largest of the three: a family that is wrong is seldom so in one place alone.
+    The mean size of the three correlations: a family that is wrong is seldom so in one place alone.
     """
     from scipy.spatial import cKDTree
 
@@ -228,11 +250,12 @@ def _alike(place: Array, residual: Array, plan: Plan) -> float:
         both = np.flatnonzero(away < near)
         here, there = left[both], left[other[both]]
         power = max(float(np.sqrt((here**2).sum() * (there**2).sum())), 1e-12)
-        found.append(float((here * there).sum()) / power if len(both) > ENOUGH / 2 else 1.0)
-    return max(found)
+        if len(both) > ENOUGH / 2:
+            found.append(abs(float((here * there).sum())) / power)
+    return float(np.mean(found)) if found else 1.0
 
 
-def _log_odds_of_chance(alike: float) -> float:
-    """Logarithm of how much likelier such a correlation is of stone that is rough by chance than of a wrong family."""
-    by_chance, by_shape = (-0.5 * ((alike - mean) / std) ** 2 - log(std) for mean, std in (BY_CHANCE, BY_SHAPE))
-    return min(by_chance - by_shape, MOST_ODDS)
+def _log_odds(alike: float, of: tuple[float, float]) -> float:
+    """Logarithm of how much likelier such a likeness is of that mean and spread than of a wrong family."""
+    those, wrong = (-0.5 * ((alike - mean) / std) ** 2 - log(std) for mean, std in (of, OF_WRONG))
+    return min(those - wrong, MOST_ODDS)

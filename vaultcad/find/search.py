@@ -16,6 +16,7 @@ from vaultcad.find.found import Found, likeliest_of
 from vaultcad.find.likeness import agree, choices_like, starts_like
 from vaultcad.find.misfit import Misfit, refuse_strangers
 from vaultcad.find.no_vault import PartlyError, check, check_bent
+from vaultcad.find.pockets import pockets_behind
 from vaultcad.find.recognise import recognise
 from vaultcad.find.refine import refine
 from vaultcad.find.ribs import SeenRib, ribs_under
@@ -35,6 +36,8 @@ IN_WALL, SHORT = 1.25, 0.6  # m; share of its span; barrels less long are of arc
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
+CONTINUED = 0.1  # m that the stone of one vault is off another, were that longer, at most where it goes on
+OWN = 0.6  # share of the stone under a vault beside others that must not be theirs
 FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
 
 
@@ -60,6 +63,8 @@ def under_one_ceiling(
     found = search.single() if single else search.region(search.ceiling.room, part=part)
     if not found:
         raise search.refusals[0]
+    if not single and like is None:
+        found = [*found, *search.arms(found, search.ceiling.whole)]
     if like and not agree(found, like):
         raise NoVaultError(f"no vault found: {like.placed.vault.called} hangs over what looks alike, but not here")
     return tuple(likeliest_of(one, demands, rng, choices_like(like) if like else ()) for one in found)
@@ -102,7 +107,8 @@ class _Search:
         if one is None:
             return bays
         gain = 1 / GAIN if one.placed.vault.may_be_several else GAIN
-        return bays if self._explained(bays, region) > gain * self._explained([one], region) else [one]
+        whole = [one, *self.arms([one], region)] if bays else [one]
+        return bays if self._believed(bays, region) > gain * self._believed(whole, region) else whole
 
     def single(self) -> list[Found]:
         """The one vault over all of it.
@@ -111,6 +117,18 @@ class _Search:
             NoVaultError: none is near enough to what hangs there, or too little of it is there.
         """
         return [self._fit(self.ceiling.room, part=False)]
+
+    def arms(self, found: Sequence[Found], region: Region) -> list[Found]:
+        """The vaults over what hangs beside those found, as the arms of a crossing narrower than its middle."""
+        whole, arms = self.ceiling.whole, list[Found]()
+        own = self._under([(one.placed, one.tolerance) for one in found], whole)
+        own |= ~region.holds(self.ceiling.points(whole))
+        for part, mine in self.ceiling.beside(own):
+            for arm in self.region(part, part=True):
+                on = self._under([(arm.placed, arm.tolerance)], whole)
+                if (on & mine).sum() > OWN * on.sum():
+                    arms.append(arm)
+        return arms
 
     def _fit(self, region: Region, part: bool) -> Found:
         """One vault over all of a region, which may be a part of the scan only.
@@ -143,28 +161,30 @@ class _Search:
         thin, xyz = bay_of(self.thin, self.xyz, region)
         inner_thin, inner = without_arches(thin, xyz, region)
         if len(inner_thin.points) == len(thin.points):
-            return self._one(thin, xyz)
+            return self._one(thin, xyz, region)
         try:
-            found = self._one(inner_thin, xyz[inner.holds(xyz)])
+            found = self._one(inner_thin, xyz[inner.holds(xyz)], inner)
         except NoVaultError:  # what was cut off was its own
-            return self._one(thin, xyz)
+            return self._one(thin, xyz, region)
         plan = found.placed.vault.plan
         if not (plan.on_wall_x or plan.on_wall_y):
             return found
         # A vault that stands on walls has no arches on its sides; lunettes look like them.
         with suppress(NoVaultError):
-            whole = self._one(thin, xyz)
+            whole = self._one(thin, xyz, region)
             if self._explained([whole], region) > GAIN * self._explained([found], region):
                 return whole
         return found
 
-    def _one(self, thin: Thin, xyz: NDArray[np.floating]) -> Found:
-        """One vault over all these points, thinned and all of them.
+    def _one(self, thin: Thin, xyz: NDArray[np.floating], region: Region) -> Found:
+        """One vault over all these points of a region, thinned and all of them.
 
         Raises:
             NoVaultError: none is near enough to what hangs there.
         """
         site = _under_its_ceiling(find_site(thin, xyz), thin)
+        for axis, side in region.valleys:
+            site = site.with_guessed_ends(axis, side)
         check_bent(site)
         known = starts_like(self.like, site, self.families) if self.like else ()
         hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands, known=known)
@@ -176,6 +196,7 @@ class _Search:
             hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
             refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
         misfit = Misfit.of(refined).with_stone_beside(refined.placed, site)
+        misfit = misfit.with_pockets(pockets_behind(refined.placed, site))
         found = Found(site, hypotheses, refined, refined.tolerance, misfit=misfit)
         check(refined, site, found.tolerance)
         refuse_strangers(found.misfit, found.placed.vault)
@@ -189,20 +210,32 @@ class _Search:
     def _beside(self, region: Region, bands: Bands) -> list[Found]:
         """The vaults of a region that no valley parts, cut where the stone of a model of all of it ends.
 
-        None unless there is one on both sides of a cut; nor where these are of one family, for then it is the model
+        None unless there is one on both sides of a cut; nor where one goes on into the other, for then it is the model
         itself that ended too early.
         """
         core, *others = self.ceiling.cut(region, self.ceiling.points(region)[self._under(bands, region)])
         mine = self.region(core, part=True) if others else []
         beside = [found for other in others for found in self.region(other, part=True)] if mine else []
-        families = {type(found.placed.vault) for found in mine}
-        if not beside or any(type(found.placed.vault) in families for found in beside):
+        if not beside or any(self._goes_on(one, other, region) for one in mine for other in beside):
             return []
         return [*mine, *beside]
+
+    def _goes_on(self, one: Found, other: Found, region: Region) -> bool:
+        """Whether a vault of the same family would hang where another does, were its plan larger.
+
+        A ramped barrel does not go on into the level ones over its landings.
+        """
+        stone = self.ceiling.points(region)[self._under([(other.placed, other.tolerance)], region)]
+        same = type(one.placed.vault) is type(other.placed.vault)
+        return same and bool(np.median(np.abs(one.placed.distance(stone))) < CONTINUED)
 
     def _explained(self, found: Sequence[Found], region: Region) -> int:
         """Over how many of the ceiling's cells of a region the vaults hang."""
         return int(self._under([(one.placed, one.tolerance) for one in found], region).sum())
+
+    def _believed(self, found: Sequence[Found], region: Region) -> float:
+        """The same, those of each vault as often as it is likely to be one of the families at all."""
+        return sum((1 - one.misfit.chance) * self._explained([one], region) for one in found)
 
     def _under(self, bands: Bands, region: Region) -> NDArray[np.bool_]:
         """Which of the ceiling's points of a region are the vaults'."""

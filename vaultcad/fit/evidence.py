@@ -57,7 +57,8 @@ class Evidence:
         k = np.sort(rng.permutation(kept)[:count])
         points, weights = site.points[k], weights[k]
         if len(site.ends):  # they tie the plan to where the stone ends, as walls would
-            tie = np.full(len(site.ends), ENDS * weights.sum() / len(site.ends))
+            ties = np.ones(len(site.ends)) if site.ties is None else site.ties
+            tie = ENDS * weights.sum() / len(site.ends) * ties
             points, weights = np.concatenate([points, site.ends]), np.concatenate([weights, tie])
         lowest = -np.inf if SPRINGING.name in demands.freed else site.bottom - BELOW - 2 * site.spacing
         return cls(points, weights, lowest)

@@ -18,9 +18,9 @@ SEEN = 0.25  # share of the widest column that a column must have, else there is
 STRAYS = 0.12  # support of a cell, as of `support`, below which nothing but strays may hang there
 VALLEY = 0.05  # m; a bay's mean height falls by this on either side, at least
 SLOPE, NEIGHBOURS = 3.5, 3  # steepest ceiling; neighbours that a cell must go on into
-NARROWEST = 1.0  # m, of a bay
+NARROWEST, NARROW_ARM = 1.0, 0.8  # m, of a bay; of what is left beside vaults and may be one
 LEAST = 1.5  # m², of the ceiling over a bay
-BESIDE = 6.0  # m², of the ceiling beside a vault that may be another
+BESIDE = 2.0  # m², of the ceiling beside a vault that may be another
 GAP = 10.0  # m; how deep a gap counts
 WALL_CELLS = 2  # cells beyond what hangs over a room that belong to it
 ROOMY = 200, 1 << 20  # cells of the grid that a point may have, and that any scan may have
@@ -29,11 +29,15 @@ FULL = 0.4  # share of a bay's rectangle that has a ceiling, at least
 
 @dataclass(frozen=True)
 class Region:
-    """A rectangle of the plan turned by `yaw` [rad]: its corners `low` and `high` (2,) [m]."""
+    """A rectangle of the plan turned by `yaw` [rad]: its corners `low` and `high` (2,) [m].
+
+    valleys: (axis, side) of the sides that were cut in a valley of one ceiling, the place of which is a guess.
+    """
 
     yaw: float
     low: Array
     high: Array
+    valleys: tuple[tuple[int, int], ...] = ()
 
     def holds(self, points: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Which points (n, 2 or 3) of the local frame [m] lie in it."""
@@ -87,9 +91,12 @@ class CeilingGrid:
     @property
     def room(self) -> Region:
         """All of it, less the margins that nothing hangs over."""
-        high = self.low + np.array(self.height.shape) * self.cell
-        whole = Region(self.yaw, self.low, high)
-        return self._roofed(whole) or whole
+        return self._roofed(self.whole) or self.whole
+
+    @property
+    def whole(self) -> Region:
+        """All of it."""
+        return Region(self.yaw, self.low, self.low + np.array(self.height.shape) * self.cell)
 
     def within(self, region: Region) -> Array:
         """The heights (nx, ny) of the cells in a region, a view."""
@@ -120,7 +127,11 @@ class CeilingGrid:
         # Where walls stand between rooms, the valleys of each room are looked at when that is its own region.
         chosen = [cut.place for cut in cuts[axis] if cut.depth >= GAP or deepest < GAP]
         ends = [region.low[axis], *chosen, region.high[axis]]
-        pieces = (_between(region, axis, a, b) for a, b in pairwise(ends))
+        pieces = [_between(region, axis, a, b) for a, b in pairwise(ends)]
+        if deepest < GAP:
+            first, last = ((axis, 1),), ((axis, 0),)
+            sides = [first, *[first + last] * (len(pieces) - 2), last]
+            pieces = [replace(piece, valleys=region.valleys + new) for piece, new in zip(pieces, sides, strict=True)]
         return [trimmed for piece in pieces if (trimmed := self._roofed(piece)) is not None]
 
     def cut(self, region: Region, explained: NDArray[np.floating]) -> list[Region]:
@@ -141,6 +152,26 @@ class CeilingGrid:
                     ends = (b, core.high[axis]) if end == "low" else (core.low[axis], a)
                     core = _between(core, axis, *ends)
         return [core, *found]
+
+    def beside(self, own: NDArray[np.bool_]) -> Iterator[tuple[Region, NDArray[np.bool_]]]:
+        """Rectangles about what hangs beside vaults, as the arms of a crossing, and which of all points that is.
+
+        own: (n,) of all points, which are the vaults'. What is narrow, small or a ring is their edges.
+        """
+        from scipy.ndimage import binary_opening, label
+
+        (places,) = np.nonzero(np.isfinite(self.height).ravel())
+        left = np.zeros(self.height.size, np.bool_)
+        left[places[~own]] = True
+        wide = max(3, int(NARROW_ARM / self.cell))
+        number, count = label(binary_opening(left.reshape(self.height.shape), np.ones((wide, wide), np.bool_)))
+        for k in range(1, count + 1):
+            mine = number == k
+            at = np.argwhere(mine)
+            low, high = at.min(axis=0), at.max(axis=0) + 1
+            region = Region(self.yaw, self.low + low * self.cell, self.low + high * self.cell)
+            if len(at) * self.cell**2 >= BESIDE and len(at) >= FULL * (high - low).prod():
+                yield region, mine.ravel()[places]
 
     def _roofed(self, region: Region) -> Region | None:
         """A region less the margins that nothing hangs over; None where too little does for a vault."""

@@ -35,6 +35,7 @@ FLOOR_NORMAL = 0.9  # |nz| of a floor at the least
 UNDER = 0.2  # share of all points below the floor at the most
 PEAK = 5.0  # how far the most frequent direction of the walls must stand above the middling one
 SECOND = 0.5  # of the most frequent direction, how frequent that halfway between is over an octagon
+GUESSED = 0.1  # weight of the ends of stone that was cut in a valley
 BIN = 0.03  # m, of the histograms along the plan's axes
 
 
@@ -48,6 +49,7 @@ class Site:
     the points kept [m]. spacing: of the points [m].
     ends: (k, 3) where the stone ends in plan on the sides without a wall, put below all other points [m].
     counts: (n,) how many points of the scan each of the thinned ones stands for.
+    ties: (k,) weights of the ends.
     splay: (2,) by which share the stone is wider at the rectangle's east than in the middle, and at its north.
     """
 
@@ -64,6 +66,14 @@ class Site:
     ends: Array
     counts: Array
     splay: tuple[float, float] = (0.0, 0.0)
+    ties: Array | None = None
+
+    def with_guessed_ends(self, axis: int, side: int) -> Site:
+        """The same where the stone was cut by guess on a side of the rectangle: its ends there say little."""
+        ties = np.ones(len(self.ends)) if self.ties is None else self.ties
+        edge = (self.low, self.high)[side][axis]
+        near = np.abs(turned(self.ends[:, :2], self.yaw)[:, axis] - edge) < RIM
+        return replace(self, ties=np.where(near, GUESSED * ties, ties))
 
     @property
     def centre(self) -> Array:

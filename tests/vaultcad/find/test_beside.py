@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from families import Barrel, Conch
+from families import Barrel, Conch, Lunette, Segmental
 from segmentation.cloud import Cloud
 from vaultcad.find.search import _is_soffit, under_one_ceiling
 from vaultcad.fit.freedom import NONE
@@ -22,6 +22,65 @@ def test_an_apse_is_found_behind_its_choir() -> None:
     assert [one.placed.vault.id for one in found] == ["barrel", "conch"]
     assert abs(found[0].placed.vault.values()["length"] - 6.0) < 0.05
     assert abs(found[1].placed.vault.values()["radius"] - 3.9) < 0.03
+
+
+def test_a_ramp_is_found_between_the_level_barrels_over_its_landings() -> None:
+    span, slope, rng = 1.8, 0.55, np.random.default_rng(1)
+    flight, landing = Barrel(span, 4.0, slope=slope), Barrel(span, 1.6)
+    rooms = (flight, -2.0, 0.0), (landing, -3.6, 0.0), (landing, 2.0, 4.0 * slope)
+    xyz = []
+    for vault, start, base in rooms:
+        count = int(vault.length / 0.004)
+        along, around = rng.uniform(0, vault.length, 2 * count), rng.uniform(0, np.pi, 2 * count)
+        xyz.append(np.stack([span / 2 * np.cos(around), start + along, base + span / 2 * np.sin(around)], axis=1))
+        walls = np.stack(
+            [rng.choice([-span / 2, span / 2], count), start + along[:count], base - rng.uniform(0, 1.6, count)]
+        )
+        xyz.append(walls.T)
+        for sheet in xyz[-2:]:
+            sheet[:, 2] += vault.slope * (sheet[:, 1] - start)
+    ends = rng.choice([-3.6, 3.6], 3000)
+    across, up = rng.uniform(-span / 2, span / 2, 3000), rng.uniform(-1.6, span / 2, 3000)
+    up = np.minimum(up, np.sqrt(span**2 / 4 - across**2))
+    xyz.append(np.stack([across, ends, up + 4.0 * slope * (ends > 0)], axis=1))
+    scan = (np.concatenate(xyz) + rng.normal(0, 0.002, (sum(map(len, xyz)), 3))).astype(np.float32)
+    found = under_one_ceiling(thin_scan(Cloud(scan)), scan, (Barrel,), np.random.default_rng(0), NONE)
+    found = sorted(found, key=lambda one: one.placed.pose.y)
+    slopes = [abs(one.placed.vault.values()["slope"]) for one in found]
+    assert np.allclose(slopes, [0.0, slope, 0.0], atol=0.01)
+    assert np.allclose([one.placed.vault.values()["length"] for one in found], [1.6, 4.0, 1.6], atol=0.25)
+
+
+def test_lower_barrels_that_meet_a_wide_one_are_found_as_its_arms() -> None:
+    main = Lunette(
+        4.2,
+        7.0,
+        Segmental(0.4),
+        1,
+        pitch_ratio=0.6,
+        width_ratio=0.5,
+        springing_ratio=0.2,
+        lunette_profile=Segmental(0.4),
+    )
+    rng, half, arm = np.random.default_rng(1), main.lunette_span / 2, 2.6
+    curve = Segmental(0.4).curve(half)
+    xyz = [main.sample(14_000, rng).xyz]
+    for side in (-1.0, 1.0):
+        y = rng.uniform(-half, half, 5_000)
+        x = side * rng.uniform(2.1, 2.1 + arm, 5_000)
+        xyz.append(np.stack([x, y, main.lunette_springing + np.array([curve.height(abs(k)) for k in y])], axis=1))
+        walls = rng.choice([-half, half], 4_000), rng.uniform(-1.5, main.lunette_springing, 4_000)
+        xyz.append(np.stack([side * rng.uniform(2.1, 2.1 + arm, 4_000), *walls], axis=1))
+        y, z = rng.uniform(-3.5, 3.5, 6_000), rng.uniform(-1.5, 0.0, 6_000)
+        xyz.append(np.stack([np.full(6_000, side * 2.1), y, z], axis=1)[np.abs(y) > half])
+        x, z = rng.uniform(-2.1, 2.1, 3_000), rng.uniform(-1.5, 0.5, 3_000)
+        xyz.append(np.stack([x, np.full(3_000, side * 3.5), z], axis=1))
+    scan = np.concatenate(xyz)
+    scan = (scan + rng.normal(0, 0.002, scan.shape)).astype(np.float32)
+    found = under_one_ceiling(thin_scan(Cloud(scan)), scan, (Barrel,), np.random.default_rng(0), NONE)
+    assert found[0].misfit.pockets == 2  # its lunettes, as no such family was tried
+    assert np.allclose([one.placed.vault.values()["span"] for one in found], [4.2, 2 * half, 2 * half], atol=0.1)
+    assert [round(one.placed.pose.x / (2.1 + arm / 2)) for one in found] == [0, -1, 1]
 
 
 def test_the_head_of_a_window_is_no_vault() -> None:
