@@ -29,6 +29,7 @@ APART, OUT_OF_LINE, TURN = 2.0, 0.5, 0.05  # m between two bays of a row; m acro
 FORGOTTEN = 1e-3  # chance of a kind that a bay does not list
 AGREE = 0.99  # level of the test
 EXACT = 0.003  # m; no size is known better by one bay
+LOST = 0.03  # share of the stone of a bay that may be farther from it with what it shares
 WORSE = 1.3, 1e-3  # times, and m, by which the scatter of a bay may grow with what it shares
 
 
@@ -70,6 +71,8 @@ class _Row:
         refined = settled(begun, kept, one.refined.evidence, one.refined.scatter, asked)
         if refined.scatter > WORSE[0] * one.refined.scatter + WORSE[1]:
             return one
+        if _share_near(refined.placed, one) < _share_near(one.placed, one) - LOST:
+            return one
         return replace(one, refined=refined, tolerance=refined.tolerance, choices=self._weighed(one), shared=told)
 
     def _start(self, one: Found) -> tuple[Placed, tuple[Constraint, ...]]:
@@ -88,6 +91,13 @@ class _Row:
         choices = sorted(one.choices, key=lambda choice: choice.kinds != self.kinds)
         weighed = [c.chance * self.joint[c.kinds] / mine[c.kinds] for c in choices]
         return tuple(replace(c, chance=w / sum(weighed)) for c, w in zip(choices, weighed, strict=True))
+
+
+def _share_near(placed: Placed, one: Found) -> float:
+    """Share of the stone that a bay rests on which is as near to a vault as what is called the bay's."""
+    evidence = one.refined.evidence
+    near = np.abs(placed.distance(evidence.points)) < one.tolerance
+    return float(evidence.weights @ near / evidence.weights.sum())
 
 
 def _told(row: Sequence[Found]) -> _Row | None:

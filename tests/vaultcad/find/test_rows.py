@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from families import FAMILIES, Vault
+from families import FAMILIES, Barrel, Vault
+from segmentation.cloud import Cloud
+from vaultcad.find import rows
+from vaultcad.find.found import Found
+from vaultcad.find.rows import _Row
+from vaultcad.find.search import under_one_ceiling
 from vaultcad.fit.demands import constraints_of
-from vaultcad.fit.freedom import Demands, decides
+from vaultcad.fit.freedom import NONE, Demands, decides
+from vaultcad.scanner import ScannerSettings, scan
+from vaultcad.survey.thinned_scan import thin_scan
+
+SETTINGS = ScannerSettings(points=150_000, noise=0.002, settlement=0.01, mixed=0)
 
 
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.id)
@@ -19,3 +30,20 @@ def test_what_a_fit_may_move_goes_from_process_to_process(family: type[Vault]) -
     free = Demands(sizes=lengths).freedom(vault, constraints_of(family))
     again = pickle.loads(pickle.dumps(free))
     assert again.settled(vault, {}) == free.settled(vault, {})
+
+
+def test_a_bay_is_not_fitted_with_what_takes_it_off_its_stone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is left near a vault that lies beside its stone may scatter as little: a choir narrower than its nave."""
+    cloud = Cloud(scan(Barrel(5.3, 4.0), SETTINGS, rng=np.random.default_rng(5)).xyz.astype(np.float32))
+    (found,) = under_one_ceiling(thin_scan(cloud), cloud.xyz, (Barrel,), np.random.default_rng(0), NONE)
+    joint = {choice.kinds: 1.0 for choice in found.choices}
+    row = _Row(joint, found.choices[0].kinds, {"span": (found.placed.vault.values()["span"], 0.01)})
+
+    def moved(by: float) -> Found:
+        solution, pose = found.refined.solution, found.placed.pose
+        there = replace(solution, placed=replace(found.placed, pose=replace(pose, x=pose.x + by)))
+        monkeypatch.setattr(rows, "settled", lambda *_: replace(found.refined, solution=there))
+        return row.fitted(found, NONE)
+
+    assert moved(0.5) is found
+    assert moved(0.005).placed.pose.x == pytest.approx(found.placed.pose.x + 0.005)
