@@ -10,7 +10,6 @@ import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -28,7 +27,7 @@ def spread(work: Callable[[int], T], count: int) -> Iterator[T]:
     Where one of them is killed, as a system does that runs out of memory, this process does the rest alone.
     """
     global _work  # noqa: PLW0603  processes that are forked find here what cannot be sent to them
-    cores = _cores()
+    cores = len(os.sched_getaffinity(0)) if FORKS else 1
     if min(cores, count) < 2 or _work is not None:
         yield from map(work, range(count))
         return
@@ -45,42 +44,6 @@ def spread(work: Callable[[int], T], count: int) -> Iterator[T]:
             yield from map(work, range(done, count))
     finally:
         _work = None
-
-
-@contextmanager
-def beside(work: Callable[[], None]) -> Iterator[Callable[[], None]]:
-    """Begin work that leaves nothing but files, in a process of its own; what it yields waits for the end of it.
-
-    Where that fails, or is killed, or there is one core, the work is done while it is waited for, and raises there.
-    """
-    if _cores() < 2 or _work is not None:
-        yield work
-        return
-    process = multiprocessing.get_context("fork").Process(target=_alone, args=(work,))
-    process.start()
-
-    def wait() -> None:
-        process.join()
-        if process.exitcode:
-            work()
-
-    try:
-        yield wait
-    finally:
-        process.kill()
-        process.join()
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if FORKS else 1
-
-
-def _alone(work: Callable[[], None]) -> None:
-    _begin()
-    try:
-        work()
-    except Exception:
-        os._exit(1)
 
 
 def _begin() -> None:

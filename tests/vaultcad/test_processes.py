@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import os
 import signal
-import time
-from pathlib import Path
 
 import pytest
 
 from families import Barrel
-from segmentation.errors import WriteError
 from vaultcad import processes
 from vaultcad.find.no_vault import PartlyError
 from vaultcad.fit.solve import Placed
 from vaultcad.pose import Pose
-from vaultcad.processes import beside, spread
+from vaultcad.processes import spread
 
 
 def test_results_come_in_order_whatever_cannot_be_sent_to_a_process() -> None:
@@ -63,52 +60,3 @@ def test_what_a_killed_process_left_is_done_here(caplog: pytest.LogCaptureFixtur
     (told,) = caplog.messages
     assert "killed" in told
     assert list(spread(lambda k: k, 3)) == [0, 1, 2]
-
-
-def test_work_beside_is_done_in_another_process_when_it_was_waited_for(tmp_path: Path) -> None:
-    with beside(lambda: told(tmp_path / "who")) as wait:
-        wait()
-        assert (tmp_path / "who").read_text() != str(os.getpid())
-
-
-def test_work_beside_that_fails_or_is_killed_is_done_here_and_raises_here(tmp_path: Path) -> None:
-    here = os.getpid()
-
-    def fails() -> None:
-        raise WriteError(tmp_path, "no space")
-
-    def killed() -> None:
-        if os.getpid() != here:
-            os.kill(os.getpid(), signal.SIGKILL)
-        told(tmp_path / "who")
-
-    with pytest.raises(WriteError, match="no space"), beside(fails) as wait:
-        wait()
-    with beside(killed) as wait:
-        wait()
-    assert (tmp_path / "who").read_text() == str(here)
-
-
-def test_work_beside_ends_with_what_it_was_begun_for(tmp_path: Path) -> None:
-    def endless() -> None:
-        told(tmp_path / "who")
-        time.sleep(600)
-
-    with beside(endless):
-        while not (tmp_path / "who").exists():
-            time.sleep(0.01)
-    with pytest.raises(ProcessLookupError):
-        os.kill(int((tmp_path / "who").read_text()), 0)
-
-
-def test_one_core_does_what_is_beside_when_it_is_waited_for(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(processes, "FORKS", False)
-    with beside(lambda: told(tmp_path / "who")) as wait:
-        wait()
-    assert (tmp_path / "who").read_text() == str(os.getpid())
-
-
-def told(path: Path) -> None:
-    """Write which process this is, at once."""
-    path.with_suffix(".part").write_text(str(os.getpid()))
-    path.with_suffix(".part").rename(path)

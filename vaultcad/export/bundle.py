@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -26,7 +27,6 @@ from vaultcad.export.world import write_world
 from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.model import Model
 from vaultcad.model_file import MODEL, write_model
-from vaultcad.processes import beside
 
 PAGE = "report.html"
 REVIEW = "review.png"
@@ -96,10 +96,9 @@ def write_all(
             raise ValueError("a review shows points; give points, component and deviation, or leave review out")
         writers[REVIEW] = partial(write_review, points=points, component=component, deviation=deviation, vault=vault)
     check_target(out, [*writers, *more, SEGMENTS], force=True)  # what would be lost is kept: the work is done by now
-    with (
-        replacing_folder(out, force=force) as place,
-        beside(partial(segments, place.part / SEGMENTS)) as labelled,
-    ):
+    with replacing_folder(out, force=force) as place, ThreadPoolExecutor(1) as beside:
+        # Most of its time goes into packing, beside which the solids are made.
+        labelled = beside.submit(segments, place.part / SEGMENTS)
         solids = buildable(model)
         if not any(fitted.solid for fitted in solids.vaults):
             del writers["model.step"]
@@ -115,6 +114,6 @@ def write_all(
                 write_further(place.part / name)
         progress(SEGMENTS)
         with writing(out / SEGMENTS):
-            labelled()
+            labelled.result()
         report = (place.part / REPORT).read_text(encoding="utf-8")
     return Written(solids, report, place.kept)

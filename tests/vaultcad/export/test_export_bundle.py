@@ -113,12 +113,9 @@ def test_a_folder_that_cannot_be_made_is_named(model, tmp_path):
 
 
 def test_writers_see_no_folder_under_its_final_name(model, tmp_path):
-    def watching(path):
-        (tmp_path / "seen").write_text(str((tmp_path / "out").exists()))
-        segments(path)
-
-    write_all(model, tmp_path / "out", segments=watching)
-    assert (tmp_path / "seen").read_text() == "False"
+    seen = []
+    write_all(model, tmp_path / "out", segments=lambda path: (seen.append((tmp_path / "out").exists()), segments(path)))
+    assert seen == [False]
 
 
 AGAIN = """
