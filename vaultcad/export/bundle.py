@@ -97,7 +97,8 @@ def write_all(
         writers[REVIEW] = partial(write_review, points=points, component=component, deviation=deviation, vault=vault)
     check_target(out, [*writers, *more, SEGMENTS], force=True)  # what would be lost is kept: the work is done by now
     with replacing_folder(out, force=force) as place, ThreadPoolExecutor(1) as beside:
-        # Most of its time goes into packing, beside which the solids are made.
+        # Most of its time goes into packing, beside which the solids are made. By a thread: in a process that is forked
+        # from one that has packed before, the packer waits for ever for threads of its own that are no longer there.
         labelled = beside.submit(segments, place.part / SEGMENTS)
         solids = buildable(model)
         if not any(fitted.solid for fitted in solids.vaults):
