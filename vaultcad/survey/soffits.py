@@ -172,10 +172,11 @@ def _is_between(soffit: Soffit, ceiling: Array) -> bool:
 
 
 def _is_under(strip: Soffit, other: Soffit) -> bool:
-    """Whether a strip hangs under another, as a tie rod does under an arch."""
-    middle = strip.place[None]
+    """Whether a strip hangs under another, as a tie rod does under an arch; not that of a storey below."""
+    middle = np.array([[*strip.place, float(strip.height(np.zeros(1))[0])]])
     along, _ = other.local(middle)
-    return bool(other.holds(middle).all() and other.height(along)[0] > strip.height(np.zeros(1))[0] + SOFFIT)
+    over = other.holds(middle) & other.parts(middle) & (other.height(along) > middle[:, 2] + SOFFIT)
+    return bool(over.all())
 
 
 def _met(beyond: Array, height: Array) -> Array:

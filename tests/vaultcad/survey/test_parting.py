@@ -225,6 +225,14 @@ def test_a_tie_rod_under_an_arch_neither_hides_its_soffit_nor_joins_the_vaults_b
     assert len(tied.ceilings) == len(parting.ceilings)
 
 
+def test_arches_of_two_storeys_are_all_found() -> None:
+    virtual, _, parting = surveyed("two storeys")
+    told = sorted(arch["place"][2] for arch in virtual.case["arches"])
+    found = sorted(float(soffit.curve[:, 1].max()) for soffit in parting.soffits)
+    assert len(told) == len(found) == 2
+    assert found[0] < told[1] < found[1]
+
+
 def test_the_points_of_a_part_are_its_vaults_and_walls_and_no_arches() -> None:
     scan, thin, parting = surveyed("nave and apse")
     for ceiling in parting.ceilings:
