@@ -97,7 +97,7 @@ def _share_near(placed: Placed, one: Found) -> float:
     """Share of the stone that a bay rests on which is as near to a vault as what is called the bay's."""
     evidence = one.refined.evidence
     near = np.abs(placed.distance(evidence.points)) < one.tolerance
-    return float(evidence.weights @ near / evidence.weights.sum())
+    return float(evidence.weights @ near / max(evidence.weights.sum(), 1e-12))
 
 
 def _told(row: Sequence[Found]) -> _Row | None:
