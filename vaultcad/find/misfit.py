@@ -79,7 +79,7 @@ LEFT_BY_THE_RIGHT = _prior(0.004, 0.7, 0.0018, 0.5)
 LEFT_BY_A_WRONG_ONE = _prior(0.015, 0.8, 0.005, 0.7)
 """From 26 and 21 virtual rooms (29 November 2026), settled by up to 5 cm, fitted with their family and without it;
 `python -m bench strangers` tries others."""
-LEFT_BY_ROUGH_STONE = _prior(0.012, 0.5, 0.005, 0.5)  # as on the 16 vaults below
+LEFT_BY_ROUGH_STONE = _prior(0.012, 0.5, 0.005, 0.5)  # as on the rough vaults above
 
 
 @dataclass(frozen=True)

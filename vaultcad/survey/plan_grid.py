@@ -57,7 +57,7 @@ class PlanGrid:
         low, high = self.low - self.cell, self.low + self.cell * (np.array(self.shape) + 1)
         for k in range(0, len(points), CHUNK):
             x, y = points[k : k + CHUNK, 0], points[k : k + CHUNK, 1]
-            # A part of a large site is asked for all its points: most are far away, which is told quickly.
+            # Of the points of a large site most are far away, which is told quickly.
             (near,) = np.nonzero((x > low[0]) & (x < high[0]) & (y > low[1]) & (y < high[1]))
             found[k + near] = beyond[self.numbers(points[k + near])]
         return found
