@@ -14,7 +14,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help install tools demo test check format bench fuzz handbook lock clean
+.PHONY: help install tools demo test check compiled format bench fuzz handbook lock clean
 
 help:
 	@echo 'make demo     fit the scan examples/room.laz: demo/groin'
@@ -38,8 +38,14 @@ demo: install
 	$(BIN)/vaultcad fit examples/room.laz -o demo/groin
 	@echo 'Open demo/groin/report.html in a browser, model.ifc or model.step in CAD or BIM, segments.laz in CloudCompare.'
 
-test: check
+# What is compiled takes as long as mypy does, each on a core of its own.
+test: tools
+	@$(MAKE) --no-print-directory -j 2 check compiled
 	$(BIN)/python -m pytest $(WORKERS) $(ARGS)
+
+# Each of the tests' workers would compile it for itself.
+compiled: tools
+	$(BIN)/python -m tools.compiled
 
 check: tools
 	$(BIN)/python -m ruff check
