@@ -31,8 +31,8 @@ settings = ifcopenshell.geom.settings()
 settings.set("use-world-coords", True)
 for slab in file.by_type("IfcSlab"):
     (faces,) = slab.Representation.Representations[0].Items
-    # OpenCASCADE sews triangles for seconds; what is large goes to the other kernel.
-    kernel = "opencascade" if len(faces.CoordIndex) < 600 else "hybrid-cgal-simple-opencascade"
+    # OpenCASCADE sews triangles for seconds; all but the least goes to the other kernel.
+    kernel = "opencascade" if len(faces.CoordIndex) < 100 else "hybrid-cgal-simple-opencascade"
     shape = ifcopenshell.geom.create_shape(settings, slab, geometry_library=kernel)
     vertices = ifcopenshell.util.shape.get_vertices(shape.geometry)
     volume = ifcopenshell.util.shape.get_volume(shape.geometry)
