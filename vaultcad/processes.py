@@ -52,13 +52,13 @@ def spread(work: Callable[[int], T], count: int) -> Iterator[T]:
 
 
 @contextmanager
-def beside(work: Callable[[Tell], T]) -> Iterator[Callable[[Tell], T]]:
+def beside(work: Callable[[Tell], T], *, long: bool = True) -> Iterator[Callable[[Tell], T]]:
     """Begin `work` in a process beside this one; what is yielded waits for its result, and passes on what it tells.
 
-    It is for work that holds Python's lock, beside threads that would have to wait for it. On one core, and where that
-    process is killed, it is done while it is waited for.
+    It is for work that holds Python's lock, beside threads that would have to wait for it. On one core, where it is not
+    `long`, and where that process is killed, it is done while it is waited for.
     """
-    if _cores() < 2 or _work is not None:
+    if not long or _cores() < 2 or _work is not None:
         yield work
         return
     context = multiprocessing.get_context("fork")

@@ -31,6 +31,7 @@ from vaultcad.processes import beside
 
 PAGE = "report.html"
 REVIEW = "review.png"
+MANY = 1_000_000  # points, whose packing holds the solids up for longer than a process takes to begin
 WRITERS: dict[str, Callable[[Model, Path], None]] = {
     "model.step": write_step,
     "model.ifc": write_ifc,
@@ -113,7 +114,11 @@ def write_all(
 
     # Most of the time goes into packing the scan, and into solids, for which a process is forked; in that the packer
     # would wait without end for its threads, which stay here.
-    with replacing_folder(out, force=force) as place, beside(bodies) as drawn, ThreadPoolExecutor(1) as packer:
+    with (
+        replacing_folder(out, force=force) as place,
+        beside(bodies, long=model.points > MANY) as drawn,
+        ThreadPoolExecutor(1) as packer,
+    ):
         labelled = packer.submit(segments, place.part / SEGMENTS)
         solids = drawn(progress)
         for name, write_further in more.items():
