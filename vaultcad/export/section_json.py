@@ -142,8 +142,12 @@ def _deviation(deviation: Deviation | None, bias: float, median: float) -> dict[
 
 
 def _row(values: NDArray[np.float64]) -> list[float]:
-    return [float(v) for v in np.round(values, DIGITS) + 0.0]
+    return _rounded(values).tolist()
 
 
 def _rows(values: NDArray[np.float64]) -> list[list[float]]:
-    return [_row(row) for row in values]
+    return _rounded(values).tolist()
+
+
+def _rounded(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.round(values, DIGITS) + 0.0, np.float64)
