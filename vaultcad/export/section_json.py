@@ -142,11 +142,13 @@ def _deviation(deviation: Deviation | None, bias: float, median: float) -> dict[
 
 
 def _row(values: NDArray[np.float64]) -> list[float]:
-    return _rounded(values).tolist()
+    told: list[float] = _rounded(values).tolist()
+    return told
 
 
 def _rows(values: NDArray[np.float64]) -> list[list[float]]:
-    return _rounded(values).tolist()
+    told: list[list[float]] = _rounded(values).tolist()
+    return told
 
 
 def _rounded(values: NDArray[np.float64]) -> NDArray[np.float64]:
