@@ -114,6 +114,17 @@ class FittedVault(PlacedVault):
     deformation: Deformation | None = None  # how it seems to have moved
     doubt: str = ""  # why it may be of none of the families, where that is likely
     surface: Displacement | None = None  # in its own frame: where the ideal vault has p, its stone has p + surface(p)
+    shell: Estimate | None = None  # thickness of its masonry [m], where the scan shows both faces
+
+    @property
+    def measured_shell(self) -> Estimate | None:
+        """The thickness that it is drawn with [m], where that was measured and no other is asked for."""
+        return self.shell if self.thickness is None else None
+
+    @property
+    def depth_of_stone(self) -> float | None:
+        """As it was measured, unless another thickness is asked for."""
+        return self.thickness if self.measured_shell is None else self.measured_shell.value
 
     @property
     def arches(self) -> dict[str, str]:

@@ -295,6 +295,7 @@ DECODERS: dict[str, Callable[[Any], Any]] = {
     "solid": bool,
     "odds": dict,
     "doubt": str,
+    "shell": lambda told: None if told is None else _estimate(told),
     "surface": lambda told: None if told is None else Displacement.from_plain(told),
     "deformation": deformation_of,
     "rivals": lambda told: tuple(Rival(**{**one, "constraints": tuple(one["constraints"])}) for one in told),

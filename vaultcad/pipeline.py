@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families import FAMILIES, Vault
+from families.void import kernel
 from segmentation.cloud import Cloud
 from segmentation.io.columns import corners
 from segmentation.notes import Note
@@ -39,11 +40,13 @@ from vaultcad.measure.coverage import look
 from vaultcad.measure.deviation import summarise
 from vaultcad.measure.estimates import estimates
 from vaultcad.measure.piers import piers_under
+from vaultcad.measure.shell import shell_of
 from vaultcad.model import Component, FittedArch, FittedVault, Model
 from vaultcad.one_thread import one_thread
 from vaultcad.processes import spread
 from vaultcad.survey.lean import lean_of
 from vaultcad.survey.thinned_scan import Site, Thin, thin_scan
+from vaultcad.uncertain import Estimate
 from vaultcad.versions import versions
 
 Array = NDArray[np.float64]
@@ -228,7 +231,16 @@ class _Labelled:
         """
         (points,) = np.nonzero(self.labels.vault == number)
         mine = self.thinned.vault == number
-        return _measured(found, self, points, mine, self.labels.component[points], rng)
+        fitted = _measured(found, self, points, mine, self.labels.component[points], rng)
+        return replace(fitted, shell=self._shell(found.placed, fitted.surface))
+
+    def _shell(self, placed: Placed, surface: Displacement | None) -> Estimate | None:
+        """How thick a vault's masonry is, where the scan shows its back."""
+        frame, half = placed.pose.frame(), placed.vault.plan.half
+        over = kernel.over_plan(np.ascontiguousarray(self.thin.points), frame, half, 0.0)
+        other = over[(self.thinned.vault[over] == 0) & (self.thinned.arch[over] == 0)]
+        local = self.thin.points[other] @ frame[:, :3].T + frame[:, 3]
+        return shell_of(placed.vault, local, self.thin.normals[other] @ frame[:, :3].T, surface)
 
     def arch(self, found: FoundArch, number: int, vaults: Sequence[Found], rng: np.random.Generator) -> FittedArch:
         """The figures of the arch with that number.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from html import escape
 
 import numpy as np
@@ -54,10 +54,10 @@ def _written(mark: Mark) -> Iterator[str]:
             places, (wide, tall) = np.argwhere(known), UNIT * step + RIM
             for colour, of in _alike(shades(deviation[known], limit)):
                 corners = low + places[of] * step
-                d = "".join(f"M{_xy(p)}h{wide:.1f}v{-tall:.1f}h{-wide:.1f}z" for p in corners)
+                d = _each(f"M{{}}h{wide:.1f}v{-tall:.1f}h{-wide:.1f}z", corners)
                 yield f'<path class="cells" shape-rendering="crispEdges" fill="{colour.hex}" d="{d}"/>'
         case Text(at, text, look, turned):
-            place = f"translate({_xy(at)})" + (" rotate(-90)" if turned else "")
+            place = f"translate({_each('{}', np.array(at))})" + (" rotate(-90)" if turned else "")
             weight = ' font-weight="bold"' if LOOKS[look].bold else ""
             ink = "currentColor"
             if LOOKS[look].halo:
@@ -91,7 +91,7 @@ def _alike(colours: NDArray[np.uint8]) -> Iterator[tuple[Colour, NDArray[np.bool
 
 
 def _dots(points: Floats) -> str:
-    return "".join(f"M{_xy(p)}h0" for p in points)
+    return _each("M{}h0", points)
 
 
 def _row(row: Floats) -> str:
@@ -99,9 +99,10 @@ def _row(row: Floats) -> str:
     shown = np.round(row * UNIT, 1)
     apart = np.ones(len(row), dtype=bool)
     apart[1:] = (np.diff(shown, axis=0) != 0).any(axis=1)
-    return "L".join(_xy(p) for p in row[apart])
+    return _each("L{}", row[apart])[1:]
 
 
-def _xy(point: Iterable[float]) -> str:
-    x, y = point
-    return f"{UNIT * x:.1f} {-UNIT * y:.1f}"
+def _each(how: str, points: Floats) -> str:
+    """Points (n, 2) one after another, each written in place of the braces; at once, as there are tens of thousands."""
+    drawn = np.asarray(points, np.float64).reshape(-1, 2) * (UNIT, -UNIT)
+    return how.format("%.1f %.1f") * len(drawn) % tuple(drawn.ravel().tolist())

@@ -28,7 +28,7 @@ STABLE = 0.5  # share of the height from floor to springing below which walls co
 CELL, FEWEST_CORES = 0.5, 4  # m, of vault that is judged at once, and the core points that it needs
 ABOUT = 0.3  # m, around a place whose core points are its figure
 ALONG = 0.9  # cosine between a figure's way and the normals there at the least
-FALSE = 0.05  # chance that anything is reported where nothing changed
+FALSE = 0.02  # chance that anything is reported where nothing changed
 MOST_POINTS = 1_500_000  # about a vault of either scan
 
 
@@ -220,12 +220,15 @@ def _cells(cores: Array, component: NDArray[np.uint16], normal: Array, distances
         out: Array = np.bincount(cell, values[use]) / count
         return out
 
-    own = np.maximum((distances.lod / SURE) ** 2 - common, 0.0)
-    std = np.sqrt(mean(own) / count + mean(common))
+    own = mean(np.maximum((distances.lod / SURE) ** 2 - common, 0.0))
+    change = mean(distances.change)
+    # At creases and feet core points of a cell differ by more than their limits, as one of them meets another face.
+    apart = np.bincount(cell, (distances.change[use] - change[cell]) ** 2) / np.maximum(count - 1, 1)
+    std = np.sqrt(np.maximum(own, apart) / count + mean(common))
     place = np.column_stack([mean(column) for column in cores.T])
     full = count >= FEWEST_CORES
     quantile = float(ndtri(1 - FALSE / 2 / max(int(full.sum()), 1)))
-    return Cells(mean(distances.change)[full], std[full], place[full], quantile)
+    return Cells(change[full], std[full], place[full], quantile)
 
 
 def _movement(

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from families.void.upright import Upright
-from vaultcad.drawings.fitted_arcs import OFF, fitted_arcs
 from vaultcad.drawings.marks import Cross, Dimension, Hatch, Mark, Path, View, Word, circle_of, view_of
 from vaultcad.export.component_bodies import Body
 from vaultcad.export.drawing import cut
 from vaultcad.export.geometry import bodies
+from vaultcad.fitted_arcs import OFF, fitted_arcs
 from vaultcad.model import Assembly, PlacedVault, said
 from vaultcad.sections.section import SectionArch
 

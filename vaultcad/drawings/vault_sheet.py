@@ -97,4 +97,9 @@ def _fields(model: Assembly, placed: PlacedVault) -> Iterator[tuple[str, str]]:
         d = placed.deviation
         yield "confidence", f"{placed.confidence:.0%}{f'; {placed.doubt}' if placed.doubt else ''}"
         yield "stone to model", f"rms {1000 * d.rms:.1f} mm, 95 % below {1000 * d.p95:.1f} mm; {d.loa}"
-    yield "thickness", f"{100 * model.thickness_of(placed):g} cm, assumed: no scan from below shows it"
+    shell = placed.measured_shell if isinstance(placed, FittedVault) else None
+    if shell is None:
+        yield "thickness", f"{100 * model.thickness_of(placed):g} cm, assumed: the scan does not show the back"
+    else:
+        off = f"± {100 * (shell.std or 0.0):.1f} cm, as it varies"
+        yield "thickness", f"{100 * shell.value:.1f} {off}: measured between both faces"

@@ -81,7 +81,8 @@ def section(seen: Seen, plane: CutPlane) -> Drawing:
     pieces = bodies(vault, seen.thickness)
     cuts, behind = ([_cut_rows(body, plane, at) for body in pieces] for at in (OFF_CENTRE, closer))
     outline = np.concatenate([[[left, 0.0], [right, 0.0]], *(row for rows in (*cuts, *behind) for row in rows)])
-    thick = f"stone, taken as {100 * seen.thickness:g} cm thick; grey: nearer the wall"
+    known = "taken" if seen.fitted.measured_shell is None else "measured"
+    thick = f"stone, {known} as {100 * seen.thickness:.3g} cm thick; grey: nearer the wall"
     dots = f"; dots: the scan within {100 * SLAB:g} cm of the cut; in colour: deviations × {ENLARGED}"
     title = f"Section {plane.letter}–{plane.letter}: {thick}{dots if len(seen.points) else ''}"
     drawing = Drawing(outline.min(axis=0), outline.max(axis=0), title)

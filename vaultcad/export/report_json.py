@@ -174,6 +174,8 @@ def _vault(fitted: FittedVault, model: Model) -> dict[str, Any]:
         "nurbs": _measured(fitted.nurbs),
         "coverage": _number(fitted.coverage),
         "tolerance": _number(round(fitted.tolerance, 4)),
+        "thickness": _number(model.thickness_of(fitted)),
+        "thickness_std": _number(fitted.measured_shell.std) if fitted.measured_shell else None,
         "deformation": plain_deformation(fitted.deformation),
     }
 

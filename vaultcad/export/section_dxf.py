@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.dxf_document import Layer, add_layers, dxf_document
+from vaultcad.fitted_arcs import fitted_arcs
 from vaultcad.model import Model
 from vaultcad.sections.section import Section, SectionArc
 
@@ -28,6 +29,7 @@ LAYERS = {
 APART = 1.5  # m between sections
 LETTER = 0.15  # m
 CROSS = 0.05  # m, half of the mark of a centre
+OFF = 0.0001  # m by which points may be off the arcs that are drawn for a line
 
 
 def write_section_dxf(model: Model, sections: Sequence[Section], path: Path) -> None:
@@ -50,16 +52,16 @@ def _prefix(kind: str) -> str:
 def _draw(space: Modelspace, section: Section, move: NDArray[np.float64], bottom: float) -> None:
     on = {name: {"layer": f"{_prefix(section.plane.kind)}-{name}"} for name in LAYERS}
     for run in section.profile:
-        space.add_lwpolyline((run.line + move).tolist(), dxfattribs=on["SCAN"])
+        _line(space, run.line + move, on["SCAN"])
     for layer, lines in (("IDEAL", section.ideal), ("AS-BUILT", section.as_built)):
         for line in lines:
-            space.add_lwpolyline((line.line + move).tolist(), dxfattribs=on[layer])
+            _line(space, line.line + move, on[layer])
     texts = [f"{section.id}: {section.plane.told}"]
     for arch in section.arches:
         for arc in arch.arcs:
             _arc(space, arc, move, on)
         if not arch.arcs:
-            space.add_lwpolyline((arch.line + move).tolist(), dxfattribs=on["ARCS"])
+            _line(space, arch.line + move, on["ARCS"])
         span, rise = arch.sizes["span"], arch.sizes["rise"]
         odds = ", ".join(f"{kind} {chance:.0%}" for kind, chance in arch.odds.items() if chance >= 0.05)
         texts.append(f"{odds}; span {span.value:.3f}, rise {rise.value:.3f} m")
@@ -70,6 +72,11 @@ def _draw(space: Modelspace, section: Section, move: NDArray[np.float64], bottom
     for k, text in enumerate(texts, 2):
         place = (left + float(move[0]), bottom - 1.6 * k * LETTER)
         space.add_text(text, height=LETTER, dxfattribs=on["TEXT"]).set_placement(place)
+
+
+def _line(space: Modelspace, row: NDArray[np.float64], on: dict[str, str]) -> None:
+    corners, bulges = fitted_arcs(row, OFF)
+    space.add_lwpolyline(np.column_stack([corners, bulges]).tolist(), format="xyb", dxfattribs=on)
 
 
 def _arc(space: Modelspace, arc: SectionArc, move: NDArray[np.float64], on: dict[str, dict[str, str]]) -> None:

@@ -142,8 +142,14 @@ def _deviation(deviation: Deviation | None, bias: float, median: float) -> dict[
 
 
 def _row(values: NDArray[np.float64]) -> list[float]:
-    return [float(v) for v in np.round(values, DIGITS) + 0.0]
+    told: list[float] = _rounded(values).tolist()
+    return told
 
 
 def _rows(values: NDArray[np.float64]) -> list[list[float]]:
-    return [_row(row) for row in values]
+    told: list[list[float]] = _rounded(values).tolist()
+    return told
+
+
+def _rounded(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.round(values, DIGITS) + 0.0, np.float64)

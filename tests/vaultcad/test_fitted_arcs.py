@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from families import FAMILIES
 from families.drawing.section import PLANES, outlines
-from vaultcad.drawings.fitted_arcs import OFF, fitted_arcs
 from vaultcad.drawings.marks import ARC_STEP, Path, circle_of
+from vaultcad.fitted_arcs import OFF, fitted_arcs
 
 SECTIONS = [
     pytest.param(line, id=f"{cls.id}-{plane.letter}")
