@@ -168,7 +168,7 @@ class Misfit:
 
         Where most is left, what was found may be parts of what was not.
         """
-        return replace(self, chance=1 - (1 - self.chance) * (1 - _part_of_more(share)), share=share)
+        return replace(self, chance=1 - (1 - self.chance) * (1 - part_of_more(share)), share=share)
 
     @property
     def reason(self) -> str:
@@ -182,7 +182,7 @@ class Misfit:
             return f"{self.beside:.0%} of the stone over its plan is more than {100 * REACH:.0f} cm off it"
         if self.pockets > 1:
             return f"the stone goes back behind it in {self.pockets} places, as lunettes do that it does not have"
-        if _part_of_more(self.share) > DOUBTFUL:
+        if part_of_more(self.share) > DOUBTFUL:
             return f"{1 - self.share:.0%} of what is bent over the rooms of the scan is not explained"
         waves = f" in {self.waves} waves round the axis" if self.waves else ""
         return f"the stone is {100 * self.off:.1f} cm off it{waves}, more than settlement explains"
@@ -212,7 +212,7 @@ def _one_web(beside: float) -> float:
     return _strange(SURELY * min((beside - BESIDE[0]) / (BESIDE[1] - BESIDE[0]), 2.0))
 
 
-def _part_of_more(share: float) -> float:
+def part_of_more(share: float) -> float:
     """Chance that what was found are parts of what was not, as they explain that share of what is bent in a scan."""
     return MOST_LEFT * min(max((HALF - share) / (HALF - QUARTER), 0.0), 1.0)
 

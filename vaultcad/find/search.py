@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ from vaultcad.fit.label import label
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
+from vaultcad.survey.stretches import along_and_beyond
 from vaultcad.survey.thinned_scan import STEEP, Site, Thin, find_site
 
 Array = NDArray[np.float64]
@@ -101,7 +103,11 @@ class _Search:
             return [one]
         parts = self.ceiling.parts(region)
         if len(parts) == 1 and parts[0] is region:
-            bays = self._beside(region, bands)
+            cut = self.ceiling.cut(region, self.ceiling.points(region)[self._under(bands, region)])
+            bays = self._beside(region, cut)
+            if not bays and not region.valleys:  # a part of what was cut by guess is not cut by another
+                stretch = along_and_beyond(self.ceiling, region)
+                bays = self._beside(region, stretch, alone=one is not None)
         else:
             bays = [found for bay in parts for found in self.region(bay, part=True)]
         if one is None:
@@ -207,16 +213,17 @@ class _Search:
         several = one.placed.vault.may_be_several
         return not several and self._explained([one], region) >= SURE * len(self.ceiling.points(region))
 
-    def _beside(self, region: Region, bands: Bands) -> list[Found]:
-        """The vaults of a region that no valley parts, cut where the stone of a model of all of it ends.
+    def _beside(self, region: Region, cut: Sequence[Region], *, alone: bool = False) -> list[Found]:
+        """The vaults of a region that no valley parts, cut into that about its middle and what lies beyond.
 
-        None unless there is one on both sides of a cut; nor where one goes on into the other, for then it is the model
-        itself that ended too early.
+        None unless there is one on both sides of a cut, or one in the middle may stand alone; nor where one goes on
+        into another, for then it is the model itself that ended too early.
         """
-        core, *others = self.ceiling.cut(region, self.ceiling.points(region)[self._under(bands, region)])
+        core, *others = cut
         mine = self.region(core, part=True) if others else []
         beside = [found for other in others for found in self.region(other, part=True)] if mine else []
-        if not beside or any(self._goes_on(one, other, region) for one in mine for other in beside):
+        both = permutations([*mine, *beside], 2)
+        if not (beside or alone) or any(self._goes_on(one, other, region) for one, other in both):
             return []
         return [*mine, *beside]
 
@@ -234,8 +241,8 @@ class _Search:
         return int(self._under([(one.placed, one.tolerance) for one in found], region).sum())
 
     def _believed(self, found: Sequence[Found], region: Region) -> float:
-        """The same, those of each vault as often as it is likely to be one of the families at all."""
-        return sum((1 - one.misfit.chance) * self._explained([one], region) for one in found)
+        """The same, those of each vault as often as it is likely to be what it is taken for."""
+        return sum(one.confidence[0] * self._explained([one], region) for one in found)
 
     def _under(self, bands: Bands, region: Region) -> NDArray[np.bool_]:
         """Which of the ceiling's points of a region are the vaults'."""
