@@ -20,6 +20,7 @@ from vaultcad.find.ribs import rib_arches
 from vaultcad.find.rows import learned
 from vaultcad.find.search import under_one_ceiling
 from vaultcad.find.second_look import SecondLook, second_looks
+from vaultcad.find.seen_through import seen_through
 from vaultcad.fit.freedom import BAYS, NONE, Demands
 from vaultcad.fit.label import ArchBand, label
 from vaultcad.processes import spread
@@ -63,7 +64,7 @@ def find_vaults(
     parting = parted(thin, xyz)
     ceilings, soffits = parting.ceilings, parting.soffits
     if not parting.is_parted:
-        under_it = _weighed_by_share(under_one_ceiling(thin, xyz, families, rng, demands), ceilings)
+        under_it = _weighed(under_one_ceiling(thin, xyz, families, rng, demands), ceilings, thin)
         return _ribbed(under_it, (), parting.hung, thin, xyz, rng)
     hung = np.concatenate([ceiling.points for ceiling in ceilings]) if ceilings else np.empty((0, 3))
     rngs = rng.spawn(len(ceilings) + len(soffits))
@@ -104,7 +105,7 @@ def find_vaults(
     if not vaults:  # holes and scaffolds can part what is one
         whole = under_one_ceiling(thin, xyz, families, rng, demands, single=True)
         return _ribbed(whole, arches, parting.hung, thin, xyz, rng)
-    weighed = _weighed_by_share(vaults, ceilings)
+    weighed = _weighed(vaults, ceilings, thin)
     return _ribbed(learned(weighed, demands), arches, parting.hung, thin, xyz, rng)
 
 
@@ -227,15 +228,16 @@ def _check_bent(ceiling: Ceiling) -> None:
         )
 
 
-def _weighed_by_share(vaults: Sequence[Found], ceilings: Sequence[Ceiling]) -> tuple[Found, ...]:
-    """The vaults, doubted where they explain little of what hangs in a scan and is not level.
+def _weighed(vaults: Sequence[Found], ceilings: Sequence[Ceiling], thin: Thin) -> tuple[Found, ...]:
+    """The vaults, doubted where they explain little of what is bent in a scan, or where it shows what is behind them.
 
     Raises:
         NoVaultError: they explain so little that they are no vaults.
     """
+    vaults = tuple(replace(one, misfit=one.misfit.with_sight(seen_through(one.placed, thin.points))) for one in vaults)
     bent = np.concatenate([np.empty((0, 3)), *(ceiling.points[~ceiling.level] for ceiling in ceilings)])
     if not len(bent):
-        return tuple(vaults)
+        return vaults
     share = float((label(bent, [(one.placed, one.tolerance) for one in vaults]).vault > 0).mean())
     if share * (1 - part_of_more(share)) < SHARE:
         titles = ", ".join(dict.fromkeys(one.placed.vault.called for one in vaults))

@@ -53,6 +53,10 @@ BESIDE, SURELY = (0.06, 0.12), 4.5  # shares of what is bent over a plan, off th
 IN_POCKETS = 0.0, 0.1, 0.5  # chance of that where stone goes back behind a vault in no place, one, and more
 COLUMN = 0.25  # m, edge of the plan's cells in which a vault is seen or not
 QUARTER, HALF = 0.25, 0.5  # shares of what is bent in a scan; where that is explained, this may be parts of the rest
+SEEN_THROUGH, ABSENT = (
+    (0.2, 0.4),
+    0.9,
+)  # shares of a vault that other stone is seen through: from 0 to that chance of it
 MOST_LEFT = 0.8  # chance of that where no more than a quarter is explained; nought from a half on
 ROUGH = 0.3  # chance beforehand that a vault is of rough stone / that it is not
 ROUGHEST = 0.025, 0.01  # m off the model up to which stone may be rough; by how much more it seldom is
@@ -90,7 +94,7 @@ class Misfit:
     round the axis, in which most of it runs; 0 if in none. certain: chance likewise, by the vault's own stone alone.
     ridges: in which it runs, as corrugated sheet. beside: share of what is bent over the plan that is no part of it.
     pockets: places in which stone goes back behind it. share: of what is bent over all rooms of the scan, that all its
-    vaults explain.
+    vaults explain. through: share of it, through which other stone is seen.
     """
 
     chance: float
@@ -101,6 +105,7 @@ class Misfit:
     beside: float = 0.0
     pockets: int = 0
     share: float = 1.0
+    through: float = 0.0
 
     @classmethod
     def of(cls, refined: Refined) -> Misfit:
@@ -163,6 +168,10 @@ class Misfit:
         other = IN_POCKETS[min(pockets, len(IN_POCKETS) - 1)]
         return replace(self, chance=1 - (1 - self.chance) * (1 - other), pockets=pockets)
 
+    def with_sight(self, through: float) -> Misfit:
+        """The same, of a vault of which a scan shows, in that share of what it shows of it, other stone behind it."""
+        return replace(self, chance=1 - (1 - self.chance) * (1 - _absent(through)), through=through)
+
     def with_share(self, share: float) -> Misfit:
         """The same, of vaults that together explain that share of what is bent over the rooms of a scan.
 
@@ -182,6 +191,8 @@ class Misfit:
             return f"{self.beside:.0%} of the stone over its plan is more than {100 * REACH:.0f} cm off it"
         if self.pockets > 1:
             return f"the stone goes back behind it in {self.pockets} places, as lunettes do that it does not have"
+        if _absent(self.through) > DOUBTFUL:
+            return f"other stone is seen through {self.through:.0%} of it"
         if part_of_more(self.share) > DOUBTFUL:
             return f"{1 - self.share:.0%} of what is bent over the rooms of the scan is not explained"
         waves = f" in {self.waves} waves round the axis" if self.waves else ""
@@ -215,6 +226,12 @@ def _one_web(beside: float) -> float:
 def part_of_more(share: float) -> float:
     """Chance that what was found are parts of what was not, as they explain that share of what is bent in a scan."""
     return MOST_LEFT * min(max((HALF - share) / (HALF - QUARTER), 0.0), 1.0)
+
+
+def _absent(through: float) -> float:
+    """Chance that a vault is not there, through that share of which other stone is seen."""
+    low, high = SEEN_THROUGH
+    return ABSENT * min(max((through - low) / (high - low), 0.0), 1.0)
 
 
 def _strange(odds: float) -> float:
