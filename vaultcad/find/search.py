@@ -38,7 +38,7 @@ IN_WALL, SHORT = 1.25, 0.6  # m; share of its span; barrels less long are of arc
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
-LIKELY = 0.5  # confidence of a vault, from which on others are looked for beside it
+LIKELY = 0.5  # confidence of a vault, from which on others are looked for beside it, and of these
 CONTINUED = 0.1  # m that the stone of one vault is off another, were that longer, at most where it goes on
 OWN = 0.6  # share of the stone under a vault beside others that must not be theirs
 FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
@@ -128,7 +128,7 @@ class _Search:
     def arms(self, found: Sequence[Found], region: Region) -> list[Found]:
         """The vaults over what hangs beside those found, as the arms of a crossing narrower than its middle.
 
-        None where all of these are doubtful: what they leave may be what they miss.
+        None where all of these are doubtful: what they leave may be what they miss. Nor what is doubtful itself.
         """
         whole, arms = self.ceiling.whole, list[Found]()
         if all(one.confidence[0] < LIKELY for one in found):
@@ -138,7 +138,7 @@ class _Search:
         for part, mine in self.ceiling.beside(own):
             for arm in self.region(part, part=True):
                 on = self._under([(arm.placed, arm.tolerance)], whole)
-                if (on & mine).sum() > OWN * on.sum():
+                if arm.confidence[0] >= LIKELY and (on & mine).sum() > OWN * on.sum():
                     arms.append(arm)
         return arms
 
