@@ -13,7 +13,7 @@ as those of a ramp do. What does not is a rough vault of the right family, and t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import exp, log
+from math import exp, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,8 +121,6 @@ class Misfit:
         usable = parts.weight > 0
         if usable.sum() < ENOUGH:
             return FITS
-        if ridges := Ridges.of(local[own, :2], distance[own]):
-            return cls(RIDGED, float(np.sqrt(np.mean(distance[own] ** 2))), certain=RIDGED, ridges=ridges)
         usable &= parts.weight > LIGHT * np.median(parts.weight[usable])
         mean = parts.means(distance[:, None])[:, 0]
         far = usable & (np.abs(mean) > OUTLIER * scatter_of(mean[usable]))
@@ -162,6 +160,19 @@ class Misfit:
         off, counted = (~on & ~shown[column])[bent[over]], site.counts[over & bent]
         share = float(np.average(off, weights=support(counted)))
         return replace(self, chance=1 - (1 - self.chance) * (1 - _one_web(share)), beside=share)
+
+    def with_ridges(self, placed: Placed, points: NDArray[np.floating]) -> Misfit:
+        """The same, where a scan's own points (n, 3) [m] run in ridges: thinned, they are the means of whole waves."""
+        points = points[:: max(len(points) // POINTS, 1)]
+        frame = placed.pose.frame()
+        local = points @ frame[:, :3].T + frame[:, 3]
+        surface = placed.vault.evaluate(local, walls=True)
+        distance = surface.distance
+        own = (surface.component > 0) & (np.abs(distance) < REACH) & placed.vault.plan.holds(local[:, :2])
+        ridges = Ridges.of(local[own, :2], distance[own]) if own.sum() > ENOUGH else None
+        if ridges is None:
+            return self
+        return replace(self, chance=RIDGED, off=ridges.deep / sqrt(8), certain=RIDGED, ridges=ridges)
 
     def with_pockets(self, pockets: int) -> Misfit:
         """The same, where stone goes back behind it in so many places: one may be a door's, several are lunettes."""

@@ -208,7 +208,7 @@ class _Search:
             hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
             refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
         misfit = Misfit.of(refined).with_stone_beside(refined.placed, site)
-        misfit = misfit.with_pockets(pockets_behind(refined.placed, site))
+        misfit = misfit.with_pockets(pockets_behind(refined.placed, site)).with_ridges(refined.placed, xyz)
         found = Found(site, hypotheses, refined, refined.tolerance, misfit=misfit)
         check(refined, site, found.tolerance)
         refuse_strangers(found.misfit, found.placed.vault)
