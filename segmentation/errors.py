@@ -1,5 +1,7 @@
 """What reading and writing a cloud can raise."""
 
+from __future__ import annotations
+
 from pathlib import Path
 
 COPY_AGAIN = "copy it again from where it comes from, or export the scan again"
@@ -21,3 +23,7 @@ class WriteError(OSError):
         super().__init__(" ".join(f"{path}: could not be written ({reason}); free space on the disk".split()))
         self.path = Path(path)
         self.reason = reason
+
+    def __reduce__(self) -> tuple[type[WriteError], tuple[Path, str]]:
+        """What another process makes it of again."""
+        return type(self), (self.path, self.reason)

@@ -27,9 +27,11 @@ from vaultcad.export.world import write_world
 from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.model import Model
 from vaultcad.model_file import MODEL, write_model
+from vaultcad.processes import beside
 
 PAGE = "report.html"
 REVIEW = "review.png"
+MANY = 1_000_000  # points, whose packing holds the solids up for longer than a process takes to begin
 WRITERS: dict[str, Callable[[Model, Path], None]] = {
     "model.step": write_step,
     "model.ifc": write_ifc,
@@ -96,19 +98,29 @@ def write_all(
             raise ValueError("a review shows points; give points, component and deviation, or leave review out")
         writers[REVIEW] = partial(write_review, points=points, component=component, deviation=deviation, vault=vault)
     check_target(out, [*writers, *more, SEGMENTS], force=True)  # what would be lost is kept: the work is done by now
-    with replacing_folder(out, force=force) as place, ThreadPoolExecutor(1) as beside:
-        # Most of its time goes into packing, beside which the solids are made. By a thread: in a process that is forked
-        # from one that has packed before, the packer waits for ever for threads of its own that are no longer there.
-        labelled = beside.submit(segments, place.part / SEGMENTS)
+
+    def bodies(tell: Callable[[str], None]) -> Model:
+        tell("model.step")
         solids = buildable(model)
         if not any(fitted.solid for fitted in solids.vaults):
             del writers["model.step"]
         # These tell what was fitted; what is drawn has to be built, which whoever reads the model does again.
         told = {REPORT: replace(model, notes=solids.notes), MODEL: model}
         for name, write in writers.items():
-            progress(name)
+            tell(name)
             with writing(out / name):
                 write(told.get(name, solids), place.part / name)
+        return solids
+
+    # Most of the time goes into packing the scan, and into solids, for which a process is forked; in that the packer
+    # would wait without end for its threads, which stay here.
+    with (
+        replacing_folder(out, force=force) as place,
+        beside(bodies, long=model.points > MANY) as drawn,
+        ThreadPoolExecutor(1) as packer,
+    ):
+        labelled = packer.submit(segments, place.part / SEGMENTS)
+        solids = drawn(progress)
         for name, write_further in more.items():
             progress(name)
             with writing(out / name):

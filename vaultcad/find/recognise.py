@@ -110,8 +110,8 @@ def recognise(
     judge = _Judge(telling, scale, demands)
     if known:
         fitted = [judge.of(placed, start.kept) for placed, start in zip(simple, known, strict=True)]
-        close = min(h.score for h in fitted) + RIVAL
-        fitted = [judge.best_variant(h) if h.score < close else h for h in fitted]
+        close = _rivals(fitted)  # one that is far ahead wins with any arches, and these are weighed later
+        fitted = [judge.best_variant(h) if any(h is one for one in close) else h for h in fitted]
     else:
         costs = [telling.cost(placed, scale) for placed in simple]
         least = _least(simple, costs)

@@ -51,7 +51,7 @@ def together(shapes: Iterable[TopoDS_Shape]) -> TopoDS_Compound:
 
 def is_sound(shape: TopoDS_Shape) -> bool:
     """Whether a shape has a face and OpenCASCADE finds no fault in it."""
-    in_threads = True
+    in_threads = False  # in a process that is forked where there were some, these would be waited for without end
     return next(faces(shape), None) is not None and bool(BRepCheck_Analyzer(shape, True, in_threads).IsValid())
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from segmentation.errors import WriteError
 from vaultcad.errors import ExportError
 from vaultcad.export import bundle
 from vaultcad.export.bundle import write_all
@@ -48,6 +49,23 @@ def test_all_files_are_there_and_nothing_else(model, tmp_path):
     assert {p.name for p in (tmp_path / "deep" / "out").iterdir()} == NAMES | {MARKER}
     assert set(told) == NAMES
     assert [p.name for p in (tmp_path / "deep").iterdir()] == ["out"]
+
+
+def test_files_are_the_same_beside_a_scan_of_many_points(model, tmp_path, monkeypatch):
+    write_all(model, tmp_path / "few", segments=segments)
+    monkeypatch.setattr(bundle, "MANY", 0)
+    told = []
+    write_all(model, tmp_path / "many", segments=segments, progress=told.append)
+    assert tree(tmp_path / "many") == tree(tmp_path / "few")
+    assert set(told) == NAMES
+
+
+def test_nothing_is_left_when_a_body_cannot_be_written_beside_many_points(model, tmp_path, monkeypatch):
+    monkeypatch.setattr(bundle, "MANY", 0)
+    monkeypatch.setitem(bundle.WRITERS, "model.glb", lambda model, path: fails(path))
+    with pytest.raises(WriteError, match=r"model\.glb: could not be written \(No space left"):
+        write_all(model, tmp_path / "out", segments=segments)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_nothing_is_left_when_a_writer_fails(model, tmp_path):
