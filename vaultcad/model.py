@@ -112,7 +112,7 @@ class FittedVault(PlacedVault):
     odds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)  # of each arch: kind -> chance
     rivals: tuple[Rival, ...] = ()  # how it may have been built; this one first, then the likeliest
     deformation: Deformation | None = None  # how it seems to have moved
-    doubt: str = ""  # why it may be of none of the families, where that is likely
+    doubt: str = ""  # why it may be of none of the families, or of another, where that is likely
     surface: Displacement | None = None  # in its own frame: where the ideal vault has p, its stone has p + surface(p)
     shell: Estimate | None = None  # thickness of its masonry [m], where the scan shows both faces
 
@@ -134,10 +134,8 @@ class FittedVault(PlacedVault):
 
     @property
     def unlike(self) -> str:
-        """In a sentence that it may be of none of the families, and why; nothing where that is not likely."""
-        return f"It may be none of these families: nearest is a {self.vault.title}, but {self.doubt}." * bool(
-            self.doubt
-        )
+        """In a sentence that it may be of none of the families, or of another, and why; nothing where it is sure."""
+        return f"Its family is unsure: nearest is a {self.vault.title}, but {self.doubt}." * bool(self.doubt)
 
     def numbers(self) -> Mapping[str, Estimate]:
         """As they were fitted."""

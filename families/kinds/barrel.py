@@ -141,20 +141,24 @@ class Barrel(Vault):
 
     def contradiction(self, points: NDArray[np.float64], own: NDArray[np.float64], tolerance: float) -> str:
         """Its cylinder goes on below its springing, narrower again, as the lining of a tunnel or a pipe does."""
-        if self.slope or self.splay or not len(own):
+        if self.splay or not len(own):
             return ""
         origin, across = np.array(self.axis.origin), np.array(self.axis.across)
-        seen = np.column_stack([(own[:, :2] - origin) @ across, own[:, 2]])
+        climb = self.slope * np.array([-across[1], across[0]])
+        seen = np.column_stack([(own[:, :2] - origin) @ across, own[:, 2] - (own[:, :2] - origin) @ climb])
         (x, z, power), *_ = np.linalg.lstsq(np.column_stack([2 * seen, np.ones(len(seen))]), (seen**2).sum(axis=1))
         radius = float(np.sqrt(max(power + x**2 + z**2, 0.0)))
         if (
             radius < CLEAR * tolerance or np.sqrt(np.mean((np.hypot(*(seen - [x, z]).T) - radius) ** 2)) > tolerance
         ):  # not one arc
             return ""
-        aside, up = np.abs((points[:, :2] - origin) @ across - x), points[:, 2] - z
+        aside = np.abs((points[:, :2] - origin) @ across - x)
+        up = points[:, 2] - (points[:, :2] - origin) @ climb - z
         upright = radius - CLEAR * tolerance  # nearer to the axis there is no wall
         below = (up < -np.sqrt(radius**2 - upright**2)) & (aside > radius / 2)
-        lining = below & (np.abs(np.hypot(aside, up) - radius) < tolerance) & (aside < upright)
+        away = np.hypot(aside, up) - radius
+        below &= away > -tolerance  # what stands within, as stairs do, is neither wall nor lining
+        lining = below & (away < tolerance) & (aside < upright)
         if lining.sum() <= max(LINING * len(own), MOSTLY * below.sum()):
             return ""
         return (

@@ -15,10 +15,12 @@ from vaultcad.errors import NoVaultError
 from vaultcad.find.arches import FoundArch, find_arch
 from vaultcad.find.found import Found
 from vaultcad.find.likeness import as_near, firsts, in_turn, look_of_ceiling, look_of_soffit
+from vaultcad.find.misfit import part_of_more
 from vaultcad.find.ribs import rib_arches
 from vaultcad.find.rows import learned
 from vaultcad.find.search import under_one_ceiling
 from vaultcad.find.second_look import SecondLook, second_looks
+from vaultcad.find.seen_through import seen_through
 from vaultcad.fit.freedom import BAYS, NONE, Demands
 from vaultcad.fit.label import ArchBand, label
 from vaultcad.processes import spread
@@ -31,7 +33,7 @@ from vaultcad.survey.thinned_scan import UPRIGHT, Thin
 FLAT = 0.97  # share of a ceiling that is level, from which on it is none of a vault
 SQUARE = 0.2  # mean cosine of four times the angle between walls and an arch below which that is oblique to them
 FEWEST = 20  # thinned points that are nearer to a rib than to all else
-SHARE = 0.25  # of what is bent in a scan of several ceilings that its vaults must explain
+SHARE = 0.25  # of what is bent in a scan that its vaults must explain, and be likely to be vaults by
 
 
 @dataclass(frozen=True)
@@ -60,9 +62,10 @@ def find_vaults(
         NoVaultError: there is none.
     """
     parting = parted(thin, xyz)
-    if not parting.is_parted:
-        return _ribbed(under_one_ceiling(thin, xyz, families, rng, demands), (), parting.hung, thin, xyz, rng)
     ceilings, soffits = parting.ceilings, parting.soffits
+    if not parting.is_parted:
+        under_it = _weighed(under_one_ceiling(thin, xyz, families, rng, demands), ceilings, thin)
+        return _ribbed(under_it, (), parting.hung, thin, xyz, rng)
     hung = np.concatenate([ceiling.points for ceiling in ceilings]) if ceilings else np.empty((0, 3))
     rngs = rng.spawn(len(ceilings) + len(soffits))
     if any(_is_oblique(soffit, thin) for soffit in soffits):  # as ribs are, which part the webs of one vault
@@ -102,8 +105,8 @@ def find_vaults(
     if not vaults:  # holes and scaffolds can part what is one
         whole = under_one_ceiling(thin, xyz, families, rng, demands, single=True)
         return _ribbed(whole, arches, parting.hung, thin, xyz, rng)
-    vaults = _weighed_by_share(vaults, ceilings)
-    return _ribbed(learned(vaults, demands), arches, parting.hung, thin, xyz, rng)
+    weighed = _weighed(vaults, ceilings, thin)
+    return _ribbed(learned(weighed, demands), arches, parting.hung, thin, xyz, rng)
 
 
 _Result = tuple[Found, ...] | FoundArch | NoVaultError
@@ -225,20 +228,21 @@ def _check_bent(ceiling: Ceiling) -> None:
         )
 
 
-def _weighed_by_share(vaults: Sequence[Found], ceilings: Sequence[Ceiling]) -> list[Found]:
-    """The vaults, doubted where they explain little of what hangs in a scan and is not level.
+def _weighed(vaults: Sequence[Found], ceilings: Sequence[Ceiling], thin: Thin) -> tuple[Found, ...]:
+    """The vaults, doubted where they explain little of what is bent in a scan, or where it shows what is behind them.
 
     Raises:
         NoVaultError: they explain so little that they are no vaults.
     """
-    bent = np.concatenate([ceiling.points[~ceiling.level] for ceiling in ceilings])
+    vaults = tuple(replace(one, misfit=one.misfit.with_sight(seen_through(one.placed, thin.points))) for one in vaults)
+    bent = np.concatenate([np.empty((0, 3)), *(ceiling.points[~ceiling.level] for ceiling in ceilings)])
     if not len(bent):
-        return list(vaults)
+        return vaults
     share = float((label(bent, [(one.placed, one.tolerance) for one in vaults]).vault > 0).mean())
-    if share < SHARE:
+    if share * (1 - part_of_more(share)) < SHARE:
         titles = ", ".join(dict.fromkeys(one.placed.vault.called for one in vaults))
         raise NoVaultError(
             f"no vault found: {titles} is near, but explains {share:.0%} of what is bent over the rooms of the "
             "scan; crop it to the vault"
         )
-    return [replace(one, misfit=one.misfit.with_share(share)) for one in vaults]
+    return tuple(replace(one, misfit=one.misfit.with_share(share)) for one in vaults)

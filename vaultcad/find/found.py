@@ -9,11 +9,13 @@ import numpy as np
 
 from vaultcad.find.choices import Choice, likeliest, weigh
 from vaultcad.find.misfit import FITS, Misfit
-from vaultcad.find.recognise import Hypothesis
+from vaultcad.find.recognise import Hypothesis, confidence
 from vaultcad.find.refine import Refined
 from vaultcad.fit.freedom import Demands
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.thinned_scan import Site
+
+AS_LIKELY = 0.2  # of the family next to the best, from which on it is said
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,18 @@ class Found:
     def placed(self) -> Placed:
         """The vault where it stands."""
         return self.refined.placed
+
+    @property
+    def confidence(self) -> list[float]:
+        """How likely each hypothesis is, in their order."""
+        return confidence(self.hypotheses, self.misfit.chance)
+
+    @property
+    def doubt(self) -> str:
+        """Why it may be of none of the families, or of another; nothing where neither is likely."""
+        if self.misfit.reason or len(self.hypotheses) < 2 or self.confidence[1] < AS_LIKELY:
+            return self.misfit.reason
+        return f"{self.hypotheses[1].vault.called} is likely, too ({self.confidence[1]:.0%})"
 
 
 def likeliest_of(found: Found, demands: Demands, rng: np.random.Generator, known: Sequence[Choice] = ()) -> Found:

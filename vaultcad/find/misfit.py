@@ -13,7 +13,7 @@ as those of a ramp do. What does not is a rough vault of the right family, and t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import exp, log
+from math import exp, log, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,10 @@ BESIDE, SURELY = (0.06, 0.12), 4.5  # shares of what is bent over a plan, off th
 IN_POCKETS = 0.0, 0.1, 0.5  # chance of that where stone goes back behind a vault in no place, one, and more
 COLUMN = 0.25  # m, edge of the plan's cells in which a vault is seen or not
 QUARTER, HALF = 0.25, 0.5  # shares of what is bent in a scan; where that is explained, this may be parts of the rest
+SEEN_THROUGH, ABSENT = (
+    (0.2, 0.4),
+    0.9,
+)  # shares of a vault that other stone is seen through: from 0 to that chance of it
 MOST_LEFT = 0.8  # chance of that where no more than a quarter is explained; nought from a half on
 ROUGH = 0.3  # chance beforehand that a vault is of rough stone / that it is not
 ROUGHEST = 0.025, 0.01  # m off the model up to which stone may be rough; by how much more it seldom is
@@ -90,7 +94,7 @@ class Misfit:
     round the axis, in which most of it runs; 0 if in none. certain: chance likewise, by the vault's own stone alone.
     ridges: in which it runs, as corrugated sheet. beside: share of what is bent over the plan that is no part of it.
     pockets: places in which stone goes back behind it. share: of what is bent over all rooms of the scan, that all its
-    vaults explain.
+    vaults explain. through: share of it, through which other stone is seen.
     """
 
     chance: float
@@ -101,6 +105,7 @@ class Misfit:
     beside: float = 0.0
     pockets: int = 0
     share: float = 1.0
+    through: float = 0.0
 
     @classmethod
     def of(cls, refined: Refined) -> Misfit:
@@ -116,8 +121,6 @@ class Misfit:
         usable = parts.weight > 0
         if usable.sum() < ENOUGH:
             return FITS
-        if ridges := Ridges.of(local[own, :2], distance[own]):
-            return cls(RIDGED, float(np.sqrt(np.mean(distance[own] ** 2))), certain=RIDGED, ridges=ridges)
         usable &= parts.weight > LIGHT * np.median(parts.weight[usable])
         mean = parts.means(distance[:, None])[:, 0]
         far = usable & (np.abs(mean) > OUTLIER * scatter_of(mean[usable]))
@@ -158,17 +161,34 @@ class Misfit:
         share = float(np.average(off, weights=support(counted)))
         return replace(self, chance=1 - (1 - self.chance) * (1 - _one_web(share)), beside=share)
 
+    def with_ridges(self, placed: Placed, points: NDArray[np.floating]) -> Misfit:
+        """The same, where a scan's own points (n, 3) [m] run in ridges: thinned, they are the means of whole waves."""
+        points = points[:: max(len(points) // POINTS, 1)]
+        frame = placed.pose.frame()
+        local = points @ frame[:, :3].T + frame[:, 3]
+        surface = placed.vault.evaluate(local, walls=True)
+        distance = surface.distance
+        own = (surface.component > 0) & (np.abs(distance) < REACH) & placed.vault.plan.holds(local[:, :2])
+        ridges = Ridges.of(local[own, :2], distance[own]) if own.sum() > ENOUGH else None
+        if ridges is None:
+            return self
+        return replace(self, chance=RIDGED, off=ridges.deep / sqrt(8), certain=RIDGED, ridges=ridges)
+
     def with_pockets(self, pockets: int) -> Misfit:
         """The same, where stone goes back behind it in so many places: one may be a door's, several are lunettes."""
         other = IN_POCKETS[min(pockets, len(IN_POCKETS) - 1)]
         return replace(self, chance=1 - (1 - self.chance) * (1 - other), pockets=pockets)
+
+    def with_sight(self, through: float) -> Misfit:
+        """The same, of a vault of which a scan shows, in that share of what it shows of it, other stone behind it."""
+        return replace(self, chance=1 - (1 - self.chance) * (1 - _absent(through)), through=through)
 
     def with_share(self, share: float) -> Misfit:
         """The same, of vaults that together explain that share of what is bent over the rooms of a scan.
 
         Where most is left, what was found may be parts of what was not.
         """
-        return replace(self, chance=1 - (1 - self.chance) * (1 - _part_of_more(share)), share=share)
+        return replace(self, chance=1 - (1 - self.chance) * (1 - part_of_more(share)), share=share)
 
     @property
     def reason(self) -> str:
@@ -182,7 +202,9 @@ class Misfit:
             return f"{self.beside:.0%} of the stone over its plan is more than {100 * REACH:.0f} cm off it"
         if self.pockets > 1:
             return f"the stone goes back behind it in {self.pockets} places, as lunettes do that it does not have"
-        if _part_of_more(self.share) > DOUBTFUL:
+        if _absent(self.through) > DOUBTFUL:
+            return f"other stone is seen through {self.through:.0%} of it"
+        if part_of_more(self.share) > DOUBTFUL:
             return f"{1 - self.share:.0%} of what is bent over the rooms of the scan is not explained"
         waves = f" in {self.waves} waves round the axis" if self.waves else ""
         return f"the stone is {100 * self.off:.1f} cm off it{waves}, more than settlement explains"
@@ -212,9 +234,15 @@ def _one_web(beside: float) -> float:
     return _strange(SURELY * min((beside - BESIDE[0]) / (BESIDE[1] - BESIDE[0]), 2.0))
 
 
-def _part_of_more(share: float) -> float:
+def part_of_more(share: float) -> float:
     """Chance that what was found are parts of what was not, as they explain that share of what is bent in a scan."""
     return MOST_LEFT * min(max((HALF - share) / (HALF - QUARTER), 0.0), 1.0)
+
+
+def _absent(through: float) -> float:
+    """Chance that a vault is not there, through that share of which other stone is seen."""
+    low, high = SEEN_THROUGH
+    return ABSENT * min(max((through - low) / (high - low), 0.0), 1.0)
 
 
 def _strange(odds: float) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ from vaultcad.fit.label import label
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
+from vaultcad.survey.stretches import along_and_beyond
 from vaultcad.survey.thinned_scan import STEEP, Site, Thin, find_site
 
 Array = NDArray[np.float64]
@@ -36,6 +38,7 @@ IN_WALL, SHORT = 1.25, 0.6  # m; share of its span; barrels less long are of arc
 SURE = 0.9  # share of the ceiling over a region from which on its bays are not tried
 CROWN, ABOVE = 0.998, 0.3  # share of the ceiling under its crown; m above it from which stone is another's
 GAIN = 1.05  # the bays must explain so much more than one vault over all of them
+LIKELY = 0.3  # confidence of a vault, from which on others are looked for beside it, and of these
 CONTINUED = 0.1  # m that the stone of one vault is off another, were that longer, at most where it goes on
 OWN = 0.6  # share of the stone under a vault beside others that must not be theirs
 FILLED, PARTLY = 0.4, 0.2  # share of a bay's plan that its vault must be seen on, and of a whole scan's
@@ -101,7 +104,11 @@ class _Search:
             return [one]
         parts = self.ceiling.parts(region)
         if len(parts) == 1 and parts[0] is region:
-            bays = self._beside(region, bands)
+            cut = self.ceiling.cut(region, self.ceiling.points(region)[self._under(bands, region)])
+            bays = self._beside(region, cut)
+            if not bays and not region.valleys:  # a part of what was cut by guess is not cut by another
+                stretch = along_and_beyond(self.ceiling, region)
+                bays = self._beside(region, stretch, alone=one is not None)
         else:
             bays = [found for bay in parts for found in self.region(bay, part=True)]
         if one is None:
@@ -119,14 +126,19 @@ class _Search:
         return [self._fit(self.ceiling.room, part=False)]
 
     def arms(self, found: Sequence[Found], region: Region) -> list[Found]:
-        """The vaults over what hangs beside those found, as the arms of a crossing narrower than its middle."""
+        """The vaults over what hangs beside those found, as the arms of a crossing narrower than its middle.
+
+        None where all of these are doubtful: what they leave may be what they miss. Nor what is doubtful itself.
+        """
         whole, arms = self.ceiling.whole, list[Found]()
+        if all(one.confidence[0] < LIKELY for one in found):
+            return arms
         own = self._under([(one.placed, one.tolerance) for one in found], whole)
         own |= ~region.holds(self.ceiling.points(whole))
         for part, mine in self.ceiling.beside(own):
             for arm in self.region(part, part=True):
                 on = self._under([(arm.placed, arm.tolerance)], whole)
-                if (on & mine).sum() > OWN * on.sum():
+                if arm.confidence[0] >= LIKELY and (on & mine).sum() > OWN * on.sum():
                     arms.append(arm)
         return arms
 
@@ -196,7 +208,7 @@ class _Search:
             hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
             refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
         misfit = Misfit.of(refined).with_stone_beside(refined.placed, site)
-        misfit = misfit.with_pockets(pockets_behind(refined.placed, site))
+        misfit = misfit.with_pockets(pockets_behind(refined.placed, site)).with_ridges(refined.placed, xyz)
         found = Found(site, hypotheses, refined, refined.tolerance, misfit=misfit)
         check(refined, site, found.tolerance)
         refuse_strangers(found.misfit, found.placed.vault)
@@ -207,16 +219,17 @@ class _Search:
         several = one.placed.vault.may_be_several
         return not several and self._explained([one], region) >= SURE * len(self.ceiling.points(region))
 
-    def _beside(self, region: Region, bands: Bands) -> list[Found]:
-        """The vaults of a region that no valley parts, cut where the stone of a model of all of it ends.
+    def _beside(self, region: Region, cut: Sequence[Region], *, alone: bool = False) -> list[Found]:
+        """The vaults of a region that no valley parts, cut into that about its middle and what lies beyond.
 
-        None unless there is one on both sides of a cut; nor where one goes on into the other, for then it is the model
-        itself that ended too early.
+        None unless there is one on both sides of a cut, or one in the middle may stand alone; nor where one goes on
+        into another, for then it is the model itself that ended too early.
         """
-        core, *others = self.ceiling.cut(region, self.ceiling.points(region)[self._under(bands, region)])
+        core, *others = cut
         mine = self.region(core, part=True) if others else []
         beside = [found for other in others for found in self.region(other, part=True)] if mine else []
-        if not beside or any(self._goes_on(one, other, region) for one in mine for other in beside):
+        both = permutations([*mine, *beside], 2)
+        if not (beside or alone) or any(self._goes_on(one, other, region) for one, other in both):
             return []
         return [*mine, *beside]
 
@@ -234,8 +247,8 @@ class _Search:
         return int(self._under([(one.placed, one.tolerance) for one in found], region).sum())
 
     def _believed(self, found: Sequence[Found], region: Region) -> float:
-        """The same, those of each vault as often as it is likely to be one of the families at all."""
-        return sum((1 - one.misfit.chance) * self._explained([one], region) for one in found)
+        """The same, those of each vault as often as it is likely to be what it is taken for."""
+        return sum(one.confidence[0] * self._explained([one], region) for one in found)
 
     def _under(self, bands: Bands, region: Region) -> NDArray[np.bool_]:
         """Which of the ceiling's points of a region are the vaults'."""

@@ -47,10 +47,10 @@ def covariance(solution: Solution, points: Array) -> Covariance:
 
 
 def open_ends(solution: Solution, apart: tuple[float, float]) -> Array:
-    """Covariance (k, k) of the unknowns where the plan ends on sides without walls, in a sparse scan.
+    """Covariance (k, k) of the unknowns where the plan ends on sides without walls, in a sparse scan or by guess.
 
     apart: standard deviation [m] of the half extents in x and y, and of the middle between them; where walls tell, 0.
-    What of the stone is the vault's and what an arch's beside it is told by few points there.
+    What of the stone is the vault's and what an arch's beside it is told by few points there, or by none.
     """
     pose, size = solution.placed.pose, len(solution.names)
     out = np.zeros((size, size))

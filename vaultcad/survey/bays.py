@@ -91,7 +91,7 @@ class CeilingGrid:
     @property
     def room(self) -> Region:
         """All of it, less the margins that nothing hangs over."""
-        return self._roofed(self.whole) or self.whole
+        return self.roofed(self.whole) or self.whole
 
     @property
     def whole(self) -> Region:
@@ -132,7 +132,7 @@ class CeilingGrid:
             first, last = ((axis, 1),), ((axis, 0),)
             sides = [first, *[first + last] * (len(pieces) - 2), last]
             pieces = [replace(piece, valleys=region.valleys + new) for piece, new in zip(pieces, sides, strict=True)]
-        return [trimmed for piece in pieces if (trimmed := self._roofed(piece)) is not None]
+        return [trimmed for piece in pieces if (trimmed := self.roofed(piece)) is not None]
 
     def cut(self, region: Region, explained: NDArray[np.floating]) -> list[Region]:
         """A region cut where points (n, 3) [m] end: that about them, then what lies beyond, as an apse behind a choir.
@@ -146,7 +146,7 @@ class CeilingGrid:
         core, found = region, []
         for axis in range(2):
             for a, b, end in ((region.low[axis], low[axis], "low"), (high[axis], region.high[axis], "high")):
-                part = self._roofed(_between(core, axis, a, b)) if b - a > NARROWEST else None
+                part = self.roofed(_between(core, axis, a, b)) if b - a > NARROWEST else None
                 if part is not None and np.isfinite(self.within(part)).sum() * self.cell**2 > BESIDE:
                     found.append(part)
                     ends = (b, core.high[axis]) if end == "low" else (core.low[axis], a)
@@ -173,7 +173,7 @@ class CeilingGrid:
             if len(at) * self.cell**2 >= BESIDE and len(at) >= FULL * (high - low).prod():
                 yield region, mine.ravel()[places]
 
-    def _roofed(self, region: Region) -> Region | None:
+    def roofed(self, region: Region) -> Region | None:
         """A region less the margins that nothing hangs over; None where too little does for a vault."""
         seen = np.isfinite(self.within(region))
         if seen.sum() * self.cell**2 < LEAST:

@@ -49,7 +49,7 @@ class Site:
     the points kept [m]. spacing: of the points [m].
     ends: (k, 3) where the stone ends in plan on the sides without a wall, put below all other points [m].
     counts: (n,) how many points of the scan each of the thinned ones stands for.
-    ties: (k,) weights of the ends.
+    ties: (k,) weights of the ends. guessed: (axis, side) of the sides where the stone was cut by guess.
     splay: (2,) by which share the stone is wider at the rectangle's east than in the middle, and at its north.
     """
 
@@ -67,13 +67,14 @@ class Site:
     counts: Array
     splay: tuple[float, float] = (0.0, 0.0)
     ties: Array | None = None
+    guessed: frozenset[tuple[int, int]] = frozenset()
 
     def with_guessed_ends(self, axis: int, side: int) -> Site:
         """The same where the stone was cut by guess on a side of the rectangle: its ends there say little."""
         ties = np.ones(len(self.ends)) if self.ties is None else self.ties
         edge = (self.low, self.high)[side][axis]
         near = np.abs(turned(self.ends[:, :2], self.yaw)[:, axis] - edge) < RIM
-        return replace(self, ties=np.where(near, GUESSED * ties, ties))
+        return replace(self, ties=np.where(near, GUESSED * ties, ties), guessed=self.guessed | {(axis, side)})
 
     @property
     def centre(self) -> Array:

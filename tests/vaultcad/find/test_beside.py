@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from families import Barrel, Conch, Lunette, Segmental
+from families import Barrel, Conch, Lunette, Segmental, Trough
 from segmentation.cloud import Cloud
 from vaultcad.find.search import _is_soffit, under_one_ceiling
 from vaultcad.fit.freedom import NONE
@@ -22,6 +22,27 @@ def test_an_apse_is_found_behind_its_choir() -> None:
     assert [one.placed.vault.id for one in found] == ["barrel", "conch"]
     assert abs(found[0].placed.vault.values()["length"] - 6.0) < 0.05
     assert abs(found[1].placed.vault.values()["radius"] - 3.9) < 0.03
+
+
+def test_a_nave_and_its_apse_of_one_radius_are_two() -> None:
+    radius, length, rng = 2.5, 4.0, np.random.default_rng(2)
+    turns = rng.uniform(0, np.pi, 40_000)
+    along = rng.uniform(-length, 0, 40_000)
+    nave = np.stack([radius * np.cos(turns), along, radius * np.sin(turns)], axis=1)
+    sphere = rng.normal(size=(30_000, 3))
+    apse = radius * np.abs(sphere) / np.linalg.norm(sphere, axis=1)[:, None]
+    apse[::2, 0] *= -1
+    down = rng.uniform(-2.4, 0, 15_000)
+    sides = np.stack([rng.choice([-radius, radius], 15_000), along[:15_000], down], axis=1)
+    round_it = np.stack([radius * np.cos(turns[:15_000]), radius * np.sin(turns[:15_000]), down], axis=1)
+    end = np.stack([rng.uniform(-radius, radius, 15_000), np.full(15_000, -length), down], axis=1)
+    scan = np.concatenate([nave, apse, sides, round_it, end])
+    scan = (scan + rng.normal(0, 0.002, scan.shape)).astype(np.float32)
+    found = under_one_ceiling(thin_scan(Cloud(scan)), scan, (Barrel, Conch, Trough), np.random.default_rng(0), NONE)
+    assert [one.placed.vault.id for one in found] == ["barrel", "conch"]
+    assert abs(found[0].placed.vault.values()["length"] - length) < 0.4
+    assert abs(found[1].placed.vault.values()["radius"] - radius) < 0.03
+    assert all(len(one.site.guessed) == 1 for one in found)
 
 
 def test_a_ramp_is_found_between_the_level_barrels_over_its_landings() -> None:

@@ -91,11 +91,11 @@ def test_a_stranger_is_refused_with_the_nearest_and_the_reason(octagon_as_circle
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_ridges_all_over_are_corrugated_sheet_and_no_masonry(axis: int) -> None:
-    plain = fitted(Barrel(4.0, 6.0), Barrel(4.0, 6.0))
-    wave = np.sin(plain.points[:, axis] * 2 * np.pi / 0.25)
+    vault = Barrel(4.0, 6.0)
+    sample = vault.sample(6_000, np.random.default_rng(3))
+    wave = np.sin(sample.xyz[:, axis] * 2 * np.pi / 0.25)[:, None] * sample.normals
     for deep, refused in ((0.04, True), (0.008, False)):  # the second are the boards of a centring
-        solution = replace(plain.solution, residuals=plain.solution.residuals + deep / 2 * wave)
-        misfit = Misfit.of(replace(plain, solution=solution))
+        misfit = FITS.with_ridges(Placed(vault, Pose(0, 0, 0, 0)), sample.xyz + deep / 2 * wave)
         assert (misfit.certain > REFUSED) == refused
         assert ("ridges 25 cm apart and 3." in misfit.reason) == refused
 

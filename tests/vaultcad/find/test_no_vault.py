@@ -8,7 +8,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from families import FAMILIES, Barrel, Dome, Groin, Lunette, Mirror, Sail, Segmental, Trough, Vault
+from families import (
+    FAMILIES,
+    Barrel,
+    Dome,
+    Groin,
+    Lunette,
+    Mirror,
+    Sail,
+    Segmental,
+    Semicircular,
+    Trough,
+    Vault,
+)
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError, OtherThingError
 from vaultcad.find.arches import find_arch
@@ -185,3 +197,20 @@ def test_the_lintel_of_a_door_is_no_arch() -> None:
     nothing = Thin(np.empty((0, 3)), np.empty((0, 3)), np.empty(0), 0.05)
     with pytest.raises(NoVaultError, match=r"a soffit 1\.2 m long is level"):
         find_arch(level, nothing, np.empty((0, 3)), np.random.default_rng(0))
+
+
+@pytest.mark.parametrize("slope", [0.0, -0.58])
+def test_a_lining_is_one_up_a_ramp_too_whatever_stands_within(slope: float) -> None:
+    rng, radius, tolerance = np.random.default_rng(4), 3.2, 0.03
+    turn, along = rng.uniform(-0.5, np.pi + 0.5, 20_000), rng.uniform(-8, 8, 20_000)
+    lining = np.column_stack([radius * np.cos(turn), along, radius * np.sin(turn)])
+    room = np.column_stack([np.clip(1.2 * lining[:, 0], -radius, radius), along, np.minimum(lining[:, 2], 0.0)])
+    stairs = np.column_stack(
+        [rng.choice([-2.2, 2.2], 9_000), rng.uniform(-8, 8, 9_000), rng.uniform(-1.6, -1.0, 9_000)]
+    )
+    vault = Barrel(2 * radius, 16.0, Semicircular(), slope)
+    for walls, refused in ((lining, True), (room, False)):
+        points = np.concatenate([lining[turn % np.pi == turn], walls[turn % np.pi != turn], stairs])
+        points[:, 2] += slope * points[:, 1] + vault.lift
+        why = vault.contradiction(points, points[: int((turn % np.pi == turn).sum())], tolerance)
+        assert ("lining of a tunnel" in why) == refused

@@ -10,7 +10,10 @@ import pytest
 from families import Barrel, Groin, Lunette, Pointed, Sail, Segmental, Semicircular, Trough, Vault
 from segmentation.cloud import Cloud
 from vaultcad.errors import NoVaultError
+from vaultcad.find.found import Found
+from vaultcad.find.misfit import FITS
 from vaultcad.find.recognise import MISSED, Hypothesis, Start, confidence, recognise
+from vaultcad.find.refine import refine
 from vaultcad.fit.freedom import Demands
 from vaultcad.fit.solve import Placed
 from vaultcad.pose import Pose
@@ -52,6 +55,18 @@ def test_what_begins_where_it_is_known_to_be_comes_to_the_same(hypotheses: tuple
 def test_equal_scores_are_equally_likely(hypotheses: tuple[Hypothesis, ...]) -> None:
     twins = [replace(hypotheses[0], score=-100.0), replace(hypotheses[1], score=-100.0)]
     assert confidence(twins) == pytest.approx([0.5, 0.5])
+
+
+def test_a_family_that_is_nearly_as_likely_is_named(hypotheses: tuple[Hypothesis, ...]) -> None:
+    site, rng = site_of(Barrel(4.0, 6.0)), np.random.default_rng(0)
+    refined = refine(hypotheses[0], site, rng)
+    found = Found(site, hypotheses, refined, refined.tolerance)
+    best, other = hypotheses[:2]
+    for behind, doubt in ((1.0, f"{other.vault.called} is likely, too (38%)"), (4.0, "")):
+        close = replace(found, hypotheses=(best, replace(other, score=best.score + behind)))
+        assert close.doubt == doubt
+        assert sum(close.confidence) == pytest.approx(1.0)
+    assert replace(close, misfit=FITS.with_share(0.3)).doubt.startswith("70% of what is bent")
 
 
 def test_a_sliver_is_refused_by_all_families() -> None:
