@@ -23,10 +23,8 @@ from families.declaration.vault import Vault
 
 ABREAST = tuple(k / 32 - 1 for k in range(65))  # shares of the half span at which the highest place of an end is sought
 CLEAR = 1.5  # tolerances that a lining is nearer to the axis than an upright wall would be
-LINING, MOSTLY = (
-    0.02,
-    0.5,
-)  # points of a lining there / above the springing, and share of all there, from which on it is
+LINING = 0.02  # points of a lining below the springing / those above it, from which on it is one
+MOSTLY = 0.5  # share of all points there that they must be
 
 
 @dataclass(frozen=True)

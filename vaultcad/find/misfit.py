@@ -53,10 +53,8 @@ BESIDE, SURELY = (0.06, 0.12), 4.5  # shares of what is bent over a plan, off th
 IN_POCKETS = 0.0, 0.1, 0.5  # chance of that where stone goes back behind a vault in no place, one, and more
 COLUMN = 0.25  # m, edge of the plan's cells in which a vault is seen or not
 QUARTER, HALF = 0.25, 0.5  # shares of what is bent in a scan; where that is explained, this may be parts of the rest
-SEEN_THROUGH, ABSENT = (
-    (0.2, 0.4),
-    0.9,
-)  # shares of a vault that other stone is seen through: from 0 to that chance of it
+SEEN_THROUGH = 0.2, 0.4  # shares of a vault through which other stone is seen, between which the chance of that rises
+ABSENT = 0.9  # to this
 MOST_LEFT = 0.8  # chance of that where no more than a quarter is explained; nought from a half on
 ROUGH = 0.3  # chance beforehand that a vault is of rough stone / that it is not
 ROUGHEST = 0.025, 0.01  # m off the model up to which stone may be rough; by how much more it seldom is
