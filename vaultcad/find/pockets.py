@@ -20,6 +20,7 @@ OF_A_DRUM = 0.2  # |nz| of the model below which it is a drum, behind which ther
 def pockets_behind(placed: Placed, site: Site) -> int:
     """How many compact places there are over a vault's plan in which bent stone is well behind its surface.
 
+    Where the vault is seen, too, that is its own back, or a storey above.
     Five uneven lunettes were five such places of 0.15 to 0.5 m²; a door's head in the haunch of a barrel was one.
     """
     from scipy.ndimage import label
@@ -32,10 +33,14 @@ def pockets_behind(placed: Placed, site: Site) -> int:
     behind = (surface.distance > DEEP) & (np.abs(surface.normal[:, 2]) > OF_A_DRUM)
     if not behind.any():
         return 0
-    places, bent = local[hung][behind, :2], upwards[hung][behind] < LEVEL_NORMAL
     cell = max(CELL[0], CELL[1] * site.spacing)
-    at: NDArray[np.int64] = np.floor((places - places.min(axis=0)) / cell).astype(np.int64)
-    held = np.zeros(at.max(axis=0) + 1, np.bool_)
+    over: NDArray[np.int64] = np.floor(local[hung, :2] / cell).astype(np.int64)
+    over -= over.min(axis=0)
+    shown = np.zeros(over.max(axis=0) + 1, np.bool_)
+    shown[tuple(over[np.abs(surface.distance) < DEEP].T)] = True
+    behind &= ~shown[tuple(over.T)]
+    at, bent = over[behind], upwards[hung][behind] < LEVEL_NORMAL
+    held = np.zeros_like(shown)
     held[tuple(at.T)] = True
     number, count = label(held, np.ones((3, 3)))
     area = np.bincount(number[held], minlength=count + 1) * cell**2

@@ -54,3 +54,11 @@ def test_several_pockets_are_doubted_and_said_one_is_not() -> None:
     assert 0.0 < one.chance < 0.2 < five.chance
     assert (one.reason, five.certain) == ("", 0.0)
     assert five.reason == "the stone goes back behind it in 5 places, as lunettes do that it does not have"
+
+
+@pytest.mark.parametrize("vault", [Barrel(5.0, 9.0), Dome(2.5), LUNETTES], ids=["barrel", "dome", "lunettes"])
+def test_the_back_of_a_vault_that_is_seen_is_no_pocket(vault: Vault) -> None:
+    site = site_of(vault)
+    back = np.concatenate([site.points, site.points + 0.25 * np.sign(site.normals[:, 2:]) * site.normals])
+    doubled = {name: np.concatenate([getattr(site, name)] * 2) for name in ("normals", "weights", "counts")}
+    assert pockets_behind(Placed(vault, Pose(0, 0, 0, 0)), replace(site, points=back, **doubled)) == 0
