@@ -27,19 +27,18 @@ def pockets_behind(placed: Placed, site: Site) -> int:
 
     frame = placed.pose.frame()
     local = site.points @ frame[:, :3].T + frame[:, 3]
-    upwards = np.abs(site.normals[:, 2])
-    hung = (upwards > STEEP) & (local[:, 2] > 0) & placed.vault.plan.holds(local[:, :2]) & _within(site)
-    surface = placed.vault.evaluate(local[hung])
-    behind = (surface.distance > DEEP) & (np.abs(surface.normal[:, 2]) > OF_A_DRUM)
+    over = (local[:, 2] > 0) & placed.vault.plan.holds(local[:, :2])
+    local, upwards, within = local[over], np.abs(site.normals[over, 2]), _within(site)[over]
+    surface = placed.vault.evaluate(local)
+    behind = within & (upwards > STEEP) & (surface.distance > DEEP) & (np.abs(surface.normal[:, 2]) > OF_A_DRUM)
     if not behind.any():
         return 0
     cell = max(CELL[0], CELL[1] * site.spacing)
-    over: NDArray[np.int64] = np.floor(local[hung, :2] / cell).astype(np.int64)
-    over -= over.min(axis=0)
-    shown = np.zeros(over.max(axis=0) + 1, np.bool_)
-    shown[tuple(over[np.abs(surface.distance) < DEEP].T)] = True
-    behind &= ~shown[tuple(over.T)]
-    at, bent = over[behind], upwards[hung][behind] < LEVEL_NORMAL
+    at: NDArray[np.int64] = np.floor((local[:, :2] - local[:, :2].min(axis=0)) / cell).astype(np.int64)
+    shown = np.zeros(at.max(axis=0) + 1, np.bool_)
+    shown[tuple(at[np.abs(surface.distance) < DEEP].T)] = True
+    behind &= ~shown[tuple(at.T)]
+    at, bent = at[behind], upwards[behind] < LEVEL_NORMAL
     held = np.zeros_like(shown)
     held[tuple(at.T)] = True
     number, count = label(held, np.ones((3, 3)))
