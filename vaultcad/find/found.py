@@ -15,7 +15,7 @@ from vaultcad.fit.freedom import Demands
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.thinned_scan import Site
 
-AS_LIKELY = 0.2  # of the family next to the best, from which on it is said
+AS_LIKELY = 0.2  # of all families but the best, from which on the next is said
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,10 @@ class Found:
     @property
     def doubt(self) -> str:
         """Why it may be of none of the families, or of another; nothing where neither is likely."""
-        if self.misfit.reason or len(self.hypotheses) < 2 or self.confidence[1] < AS_LIKELY:
+        others = self.confidence[1:]
+        if self.misfit.reason or sum(others) < AS_LIKELY:
             return self.misfit.reason
-        return f"{self.hypotheses[1].vault.called} is likely, too ({self.confidence[1]:.0%})"
+        return f"{self.hypotheses[1].vault.called} is likely, too ({others[0]:.0%})"
 
 
 def likeliest_of(found: Found, demands: Demands, rng: np.random.Generator, known: Sequence[Choice] = ()) -> Found:

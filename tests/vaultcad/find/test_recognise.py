@@ -67,6 +67,8 @@ def test_a_family_that_is_nearly_as_likely_is_named(hypotheses: tuple[Hypothesis
         assert close.doubt == doubt
         assert sum(close.confidence) == pytest.approx(1.0)
     assert replace(close, misfit=FITS.with_share(0.3)).doubt.startswith("70% of what is bent")
+    several = [replace(other, score=best.score + 4.0)] * 2  # each of 11 %
+    assert replace(found, hypotheses=(best, *several)).doubt == f"{other.vault.called} is likely, too (11%)"
 
 
 def test_a_sliver_is_refused_by_all_families() -> None:
