@@ -24,7 +24,10 @@ SUFFIXES = (".step", ".stp", ".ifc", ".glb", ".wld", ".dxf", ".html", ".json")
 EVERY_KIND = ",".join(RIB_KINDS)
 Thickness = Annotated[
     float | None,
-    number_info("thickness", Bounds(0.01, 5, "m", "of the masonry of all vaults, in place of the model's")),
+    number_info(
+        "thickness",
+        Bounds(0.01, 5, "m", "of the masonry of all vaults, whatever the model says"),
+    ),
 ]
 RibWidth = Annotated[
     float | None, number_info("rib_width", Bounds(0.05, 2, "m", "draw ribs of that width under rib and groin vaults"))
@@ -66,7 +69,7 @@ def export(
         raise ModelFileError(f"{model}: no such file; give the model.json that a fit left")
     told = replace(read_model(model), drawn=as_built)
     if thickness is not None:
-        told = replace(told, thickness=thickness, vaults=tuple(replace(v, thickness=None) for v in told.vaults))
+        told = replace(told, thickness=thickness, vaults=tuple(replace(v, thickness=thickness) for v in told.vaults))
     if rib_width is not None:
         with refusing():
             section = Ribs(rib_width, rib_depth, tuple(ribs.split(",")))

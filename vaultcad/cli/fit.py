@@ -24,7 +24,7 @@ from vaultcad.cli.standing import Standing, axis_read, fit_standing
 from vaultcad.cli.status import status
 
 STAGES = ("reading", "thinning", "finding", "labelling", "measuring", "writing")
-Thickness = Annotated[float, number_info("thickness", Bounds(0.01, 5, "m", "of the masonry, which no scan shows"))]
+Thickness = Annotated[float, number_info("thickness", Bounds(0.01, 5, "m", "of masonry whose back is not in the scan"))]
 
 
 def command() -> Any:

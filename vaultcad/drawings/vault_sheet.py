@@ -99,7 +99,8 @@ def _fields(model: Assembly, placed: PlacedVault) -> Iterator[tuple[str, str]]:
         yield "stone to model", f"rms {1000 * d.rms:.1f} mm, 95 % below {1000 * d.p95:.1f} mm; {d.loa}"
     shell = placed.measured_shell if isinstance(placed, FittedVault) else None
     if shell is None:
-        yield "thickness", f"{100 * model.thickness_of(placed):g} cm, assumed: the scan does not show the back"
+        why = "as asked for" if placed.thickness else "assumed: the scan does not show the back"
+        yield "thickness", f"{100 * model.thickness_of(placed):g} cm, {why}"
     else:
         off = f"± {100 * (shell.std or 0.0):.1f} cm, as it varies"
         yield "thickness", f"{100 * shell.value:.1f} {off}: measured between both faces"

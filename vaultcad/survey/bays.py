@@ -127,7 +127,7 @@ class CeilingGrid:
         # Where walls stand between rooms, the valleys of each room are looked at when that is its own region.
         chosen = [cut.place for cut in cuts[axis] if cut.depth >= GAP or deepest < GAP]
         ends = [region.low[axis], *chosen, region.high[axis]]
-        pieces = [_between(region, axis, a, b) for a, b in pairwise(ends)]
+        pieces = [between(region, axis, a, b) for a, b in pairwise(ends)]
         if deepest < GAP:
             first, last = ((axis, 1),), ((axis, 0),)
             sides = [first, *[first + last] * (len(pieces) - 2), last]
@@ -146,11 +146,11 @@ class CeilingGrid:
         core, found = region, []
         for axis in range(2):
             for a, b, end in ((region.low[axis], low[axis], "low"), (high[axis], region.high[axis], "high")):
-                part = self.roofed(_between(core, axis, a, b)) if b - a > NARROWEST else None
+                part = self.roofed(between(core, axis, a, b)) if b - a > NARROWEST else None
                 if part is not None and np.isfinite(self.within(part)).sum() * self.cell**2 > BESIDE:
                     found.append(part)
                     ends = (b, core.high[axis]) if end == "low" else (core.low[axis], a)
-                    core = _between(core, axis, *ends)
+                    core = between(core, axis, *ends)
         return [core, *found]
 
     def beside(self, own: NDArray[np.bool_]) -> Iterator[tuple[Region, NDArray[np.bool_]]]:
@@ -284,7 +284,8 @@ class _Cut:
     depth: float
 
 
-def _between(region: Region, axis: int, start: float, end: float) -> Region:
+def between(region: Region, axis: int, start: float, end: float) -> Region:
+    """The part of a region between two places along an axis [m]."""
     low, high = region.low.copy(), region.high.copy()
     low[axis], high[axis] = start, end
     return replace(region, low=low, high=high)

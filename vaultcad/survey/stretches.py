@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.survey.bays import BESIDE, NARROWEST, CeilingGrid, Region
+from vaultcad.survey.bays import BESIDE, NARROWEST, CeilingGrid, Region, between
 
 Array = NDArray[np.float64]
 
@@ -42,19 +42,17 @@ def along_and_beyond(ceiling: CeilingGrid, region: Region) -> list[Region]:
     for side, (start, end) in enumerate(((float(region.low[along]), low), (high, float(region.high[along])))):
         if end - start < NARROWEST:
             continue
-        part = ceiling.roofed(_between(region, along, start, end, 1 - side))
+        part = ceiling.roofed(_cut(region, along, start, end, 1 - side))
         if part is not None and np.isfinite(ceiling.within(part)).sum() * ceiling.cell**2 > BESIDE:
             others.append(part)
             ends = (end, float(core.high[along])) if side == 0 else (float(core.low[along]), start)
-            core = _between(core, along, *ends, side)
+            core = _cut(core, along, *ends, side)
     return [core, *others]
 
 
-def _between(region: Region, axis: int, start: float, end: float, cut: int) -> Region:
+def _cut(region: Region, axis: int, start: float, end: float, side: int) -> Region:
     """The part of a region between two places along an axis [m], of which that side is cut by guess."""
-    low, high = region.low.copy(), region.high.copy()
-    low[axis], high[axis] = start, end
-    return replace(region, low=low, high=high, valleys=(*region.valleys, (axis, cut)))
+    return replace(between(region, axis, start, end), valleys=(*region.valleys, (axis, side)))
 
 
 def _stretch(heights: Array, cell: float) -> tuple[float, float]:

@@ -142,11 +142,13 @@ def test_a_report_that_is_exported_again_is_the_same(run, fitted, tmp_path):
 def test_an_edited_model_is_exported_with_its_edits(run, fitted, tmp_path):
     told = json.loads((fitted[0] / "model.json").read_text())
     told["vaults"][0]["parameters"]["span_x"] = 3.5
+    told["vaults"][0]["shell"] = {"value": 0.22, "unit": "m", "std": 0.01, "meaning": "as if its back had been seen"}
     (tmp_path / "model.json").write_text(json.dumps(told))
     done = run("export", tmp_path / "model.json", "-o", tmp_path / "report.json", "--thickness", "0.3")
     assert "edited after the fit" in done.err
     report = json.loads((tmp_path / "report.json").read_text())
     assert (report["thickness"], report["vaults"][0]["parameters"]["span_x"]["value"]) == (0.3, 3.5)
+    assert (report["vaults"][0]["thickness"], report["vaults"][0]["thickness_std"]) == (0.3, None)
     told["vaults"][0]["parameters"]["span_x"] = 99
     (tmp_path / "model.json").write_text(json.dumps(told))
     done = run("export", tmp_path / "model.json", "-o", tmp_path / "model.ifc")
