@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import make_interp_spline
+from scipy.interpolate import Akima1DInterpolator, make_interp_spline
 
 from vaultcad.dxf_document import Layer, add_layers, dxf_document
 from vaultcad.export.nurbs_mesh import named_nets
@@ -62,7 +62,8 @@ def _lines(net: QuadNet, surface: FreeSurface) -> Iterator[tuple[str, Array]]:
             if chart.turn:
                 u = np.unwrap(u, period=chart.turn)
             fine = np.linspace(0, len(line) - 1, BETWEEN * (len(line) - 1) + 1)
-            u, v = (np.interp(fine, np.arange(len(line)), row) for row in (u, v))
+            # Round as a ring, yet straight up to where a border leaps.
+            u, v = Akima1DInterpolator(np.arange(len(line)), np.column_stack([u, v]), method="makima")(fine).T
             yield kind, chart.place(u, v, surface.field(u, v))
 
 
