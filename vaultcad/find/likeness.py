@@ -35,7 +35,7 @@ SIZE = 0.15, 0.3  # m, and share of a size, by which what looks alike may differ
 HEIGHTS = (0.05, 0.25, 0.5, 0.75, 0.98)  # quantiles of a ceiling's heights that are compared
 WORTH = 0.01  # chance of a choice from which on it is tried where it looks alike
 ROUGHER = 1.3, 1e-3  # times, and m, by which the scatter of what is as near may be larger
-SETTLED = 4e-3  # m, likewise where it only looks alike: one bay settles more than the next
+SETTLED = 2e-3  # m, likewise where it only looks alike: one bay settles more than the next
 
 
 def look_of_ceiling(points: Array) -> Array:
