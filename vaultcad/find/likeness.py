@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 Result = TypeVar("Result")
 
 SIZE = 0.15, 0.3  # m, and share of a size, by which what looks alike may differ: bays of crypts are seldom equal
+EQUAL = 0.15, 0.06  # m, and share of a size, by which what is built alike may differ
 HEIGHTS = (0.05, 0.25, 0.5, 0.75, 0.98)  # quantiles of a ceiling's heights that are compared
 WORTH = 0.01  # chance of a choice from which on it is tried where it looks alike
 ROUGHER = 1.3, 1e-3  # times, and m, by which the scatter of what is as near may be larger
@@ -59,9 +60,9 @@ def firsts(looks: Sequence[Array]) -> list[int]:
     return found
 
 
-def _alike(one: Array, other: Array) -> bool:
+def _alike(one: Array, other: Array, within: tuple[float, float] = SIZE) -> bool:
     larger = np.maximum(np.abs(one), np.abs(other))
-    return bool((np.abs(one - other) < SIZE[0] + SIZE[1] * larger).all())
+    return bool((np.abs(one - other) < within[0] + within[1] * larger).all())
 
 
 def in_turn(first_of: Sequence[int], work: Callable[[int, Result | None], Result]) -> Iterator[tuple[int, Result]]:
@@ -121,9 +122,17 @@ def _stretched(vault: Vault, site: Site, demands: Demands) -> Iterator[Placed]:
             yield Placed(as_large, replace(start.pose, z=site.crown - as_large.top))
 
 
-def choices_like(first: Found) -> tuple[Choice, ...]:
-    """The arches and constraints that are worth a fit where it looks alike."""
+def choices_like(first: Found, one: Found) -> tuple[Choice, ...]:
+    """The arches and constraints of the first that are worth a fit to one as large; none to one of other sizes."""
+    if not _alike(_built(first.placed.vault), _built(one.placed.vault), EQUAL):
+        return ()
     return tuple(choice for choice in first.choices if choice.chance > WORTH)
+
+
+def _built(vault: Vault) -> Array:
+    """Sizes (k,) [m] of a vault, however it is turned: the shorter ones of its plan first, then its height."""
+    values = vault.values()
+    return np.array([*sorted(values[p.name] for p in vault.parameters() if p.range.unit == "m"), vault.top])
 
 
 def agree(found: Sequence[Found], first: Found) -> bool:
