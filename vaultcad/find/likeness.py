@@ -52,11 +52,16 @@ def look_of_soffit(soffit: Soffit) -> Array:
 
 
 def firsts(looks: Sequence[Array]) -> list[int]:
-    """For each of these the number of the first that looks like it: its own where none does before it."""
+    """For each of these the number of the one that it begins from: its own where none before it looks alike.
+
+    The first that is as large; if there is none, the first that is not much larger or smaller, and begins from none.
+    """
     found: list[int] = []
     for k, look in enumerate(looks):
-        alike = (j for j, first in enumerate(found) if j == first and _alike(looks[j], look))
-        found.append(next(alike, k))
+        own = [j for j, first in enumerate(found) if first == j or not _alike(looks[j], looks[first], EQUAL)]
+        equal = (j for j in own if _alike(looks[j], look, EQUAL))
+        alike = (j for j in own if found[j] == j and _alike(looks[j], look))
+        found.append(next(equal, next(alike, k)))
     return found
 
 
@@ -66,19 +71,18 @@ def _alike(one: Array, other: Array, within: tuple[float, float] = SIZE) -> bool
 
 
 def in_turn(first_of: Sequence[int], work: Callable[[int, Result | None], Result]) -> Iterator[tuple[int, Result]]:
-    """Work on all cores on the first of each kind, then on the others with what it came to: numbers and results.
+    """Work on all cores on what begins from nothing, then on what begins from that: numbers and results.
 
     first_of: as `firsts` tells.
     """
     done: dict[int, Result] = {}
-    alone = [k for k, first in enumerate(first_of) if first == k]
-    others = [k for k, first in enumerate(first_of) if first != k]
 
     def following(numbers: list[int], n: int) -> Result:
         return work(numbers[n], done.get(first_of[numbers[n]]))
 
-    for numbers in (alone, others):
-        for k, result in zip(numbers, spread(partial(following, numbers), len(numbers)), strict=True):
+    while left := [k for k in range(len(first_of)) if k not in done]:
+        ready = [k for k in left if first_of[k] == k or first_of[k] in done]
+        for k, result in zip(ready, spread(partial(following, ready), len(ready)), strict=True):
             done[k] = result
             yield k, result
 
@@ -116,10 +120,15 @@ def _stretched(vault: Vault, site: Site, demands: Demands) -> Iterator[Placed]:
     seen = set[tuple[float, ...]]()
     for start in starts(type(vault), site, demands):
         sizes = {name: start.vault.values()[name] for name in lengths}
-        if (key := (start.pose.yaw, *sizes.values())) not in seen:
-            seen.add(key)
-            as_large = vault.replaced(sizes)
-            yield Placed(as_large, replace(start.pose, z=site.crown - as_large.top))
+        if (key := (start.pose.yaw, *sizes.values())) in seen:
+            continue
+        seen.add(key)
+        ways = [(sizes, start.pose)]
+        if vault.quarter_turn and vault.quarter_turn.exchanged:  # the grid has all arches along one axis
+            ways.append((vault.quarter_turn.names(sizes), replace(start.pose, yaw=start.pose.yaw + pi / 2)))
+        for plan, pose in ways:
+            as_large = vault.replaced(plan)
+            yield Placed(as_large, replace(pose, z=site.crown - as_large.top))
 
 
 def choices_like(first: Found, one: Found) -> tuple[Choice, ...]:
