@@ -120,7 +120,7 @@ def _barrel(site: Site, rng: np.random.Generator, demands: Demands, like: Found 
     Raises:
         NoVaultError: an arch of no kind comes near.
     """
-    known = starts_like(like, site, (Barrel,)) if like else ()
+    known = starts_like(like, site, (Barrel,), demands) if like else ()
     hypotheses = recognise(site, rng, families=(Barrel,), demands=demands, known=known)
     refined = refine(hypotheses[0], site, rng, demands=demands, known=like.refined.kept if like else None)
     found = Found(site, hypotheses, refined, refined.tolerance)

@@ -7,6 +7,7 @@ compared with, and searched in full itself where the two do not agree.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from math import cos, pi, sin
 from typing import TypeVar
@@ -16,9 +17,11 @@ from numpy.typing import NDArray
 
 from families import Vault
 from vaultcad.find.choices import Choice
+from vaultcad.find.first_guesses import starts
 from vaultcad.find.found import Found
 from vaultcad.find.misfit import DOUBTFUL
 from vaultcad.find.recognise import Start
+from vaultcad.fit.freedom import NONE, Demands
 from vaultcad.fit.solve import Placed
 from vaultcad.pose import Pose
 from vaultcad.processes import spread
@@ -28,10 +31,11 @@ from vaultcad.survey.thinned_scan import Site
 Array = NDArray[np.float64]
 Result = TypeVar("Result")
 
-SIZE = 0.15, 0.06  # m, and share of a size, by which what looks alike may differ
+SIZE = 0.15, 0.3  # m, and share of a size, by which what looks alike may differ: bays of crypts are seldom equal
 HEIGHTS = (0.05, 0.25, 0.5, 0.75, 0.98)  # quantiles of a ceiling's heights that are compared
 WORTH = 0.01  # chance of a choice from which on it is tried where it looks alike
-ROUGHER = 1.3, 1e-3  # times, and m, by which the scatter of what agrees may be larger
+ROUGHER = 1.3, 1e-3  # times, and m, by which the scatter of what is as near may be larger
+SETTLED = 2e-3  # m, likewise where it only looks alike: one bay settles more than the next
 
 
 def look_of_ceiling(points: Array) -> Array:
@@ -78,25 +82,43 @@ def in_turn(first_of: Sequence[int], work: Callable[[int, Result | None], Result
             yield k, result
 
 
-def starts_like(first: Found, site: Site, families: Iterable[type[Vault]]) -> tuple[Start, ...]:
-    """Where those of the families that were fitted to one site begin at another that looks like it."""
+def starts_like(
+    first: Found, site: Site, families: Iterable[type[Vault]], demands: Demands = NONE
+) -> tuple[Start, ...]:
+    """Where those of the families that were fitted to one site begin at another that looks like it.
+
+    As large as there, turned by right angles about its middle; or as large as the site, in the shape that they had.
+    """
     tried = set(families)
     return tuple(
-        Start(tuple(_carried(h.solution.placed, first.site, site, quarter) for quarter in range(4)), h.kept)
+        Start((*_carried(h.solution.placed, first.site, site), *_stretched(h.vault, site, demands)), h.kept)
         for h in first.hypotheses
         if type(h.vault) in tried
     )
 
 
-def _carried(placed: Placed, here: Site, there: Site, quarter: int) -> Placed:
-    """A vault from one site to another, and turned by right angles about the middle of that."""
-    pose, turn = placed.pose, there.yaw - here.yaw + quarter * pi / 2
-    (x, y), (c, s) = (pose.x, pose.y) - here.centre, (cos(turn), sin(turn))
-    a, b = there.centre.tolist()
+def _carried(placed: Placed, here: Site, there: Site) -> Iterator[Placed]:
+    """A vault from one site to another, turned in each way."""
+    pose, vault = placed.pose, placed.vault
     z = pose.z + there.crown - here.crown
-    return Placed(
-        placed.vault, Pose(a + c * float(x) - s * float(y), b + s * float(x) + c * float(y), z, pose.yaw + turn)
-    )
+    for quarter in range(4):
+        turn = there.yaw - here.yaw + quarter * pi / 2
+        (x, y), (c, s) = (pose.x, pose.y) - here.centre, (cos(turn), sin(turn))
+        a, b = there.centre.tolist()
+        x, y = a + c * float(x) - s * float(y), b + s * float(x) + c * float(y)
+        yield Placed(vault, Pose(x, y, z, pose.yaw + turn))
+
+
+def _stretched(vault: Vault, site: Site, demands: Demands) -> Iterator[Placed]:
+    """A vault as long and wide as the site, along either axis: its parameters that are lengths are those of a plan."""
+    lengths = [p.name for p in vault.parameters() if p.range.unit == "m"]
+    seen = set[tuple[float, ...]]()
+    for start in starts(type(vault), site, demands):
+        sizes = {name: start.vault.values()[name] for name in lengths}
+        if (key := (start.pose.yaw, *sizes.values())) not in seen:
+            seen.add(key)
+            as_large = vault.replaced(sizes)
+            yield Placed(as_large, replace(start.pose, z=site.crown - as_large.top))
 
 
 def choices_like(first: Found) -> tuple[Choice, ...]:
@@ -105,11 +127,12 @@ def choices_like(first: Found) -> tuple[Choice, ...]:
 
 
 def agree(found: Sequence[Found], first: Found) -> bool:
-    """Whether what was begun from the first of its kind is one vault of the same family, and its stone as near."""
+    """Whether what was begun from the first of its kind is one vault of its family, and the stone about as near."""
     same = all(type(one.placed.vault) is type(first.placed.vault) for one in found)
-    return same and as_near(found, first) and found[0].misfit.chance < max(DOUBTFUL, first.misfit.chance)
+    near = as_near(found, first, SETTLED)
+    return same and near and found[0].misfit.chance < max(DOUBTFUL, first.misfit.chance)
 
 
-def as_near(found: Sequence[Found], other: Found) -> bool:
-    """Whether it is one vault, from which its stone is not much farther off than that of another."""
-    return len(found) == 1 and found[0].refined.scatter < ROUGHER[0] * other.refined.scatter + ROUGHER[1]
+def as_near(found: Sequence[Found], other: Found, more: float = ROUGHER[1]) -> bool:
+    """Whether it is one vault, from which its stone is not much farther off than that of another, by `more` [m]."""
+    return len(found) == 1 and found[0].refined.scatter < ROUGHER[0] * other.refined.scatter + more

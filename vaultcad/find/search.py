@@ -198,7 +198,7 @@ class _Search:
         for axis, side in region.valleys:
             site = site.with_guessed_ends(axis, side)
         check_bent(site)
-        known = starts_like(self.like, site, self.families) if self.like else ()
+        known = starts_like(self.like, site, self.families, self.demands) if self.like else ()
         hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands, known=known)
         same = self.like is not None and type(hypotheses[0].vault) is type(self.like.placed.vault)
         kept = self.like.refined.kept if self.like and same else None
