@@ -25,6 +25,7 @@ from families import (
 )
 from families.declaration.constraints import Constraint
 from vaultcad.find.choices import Choice, deviation, kinds_of, likeliest, odds, rivals, weigh, widened
+from vaultcad.find.likelihood import near_edges
 from vaultcad.find.refine import Refined, settled
 from vaultcad.fit.evidence import Evidence
 from vaultcad.fit.freedom import NONE, Demands
@@ -126,6 +127,18 @@ def test_vaults_without_arches_have_choices_of_constraints_alone(vault: Vault) -
     assert sum(choice.chance for choice in choices) == pytest.approx(1)
     assert {choice.kinds for choice in choices} == {()}
     assert len(choices) == 1 or vault.constraints
+
+
+def test_stone_tells_arches_but_for_the_last_decimetre_before_an_edge() -> None:
+    """A hand above the springing, segments that are almost semicircles differ most from these."""
+    placed = Placed(Barrel(5.0, 8.0, Segmental(0.45)), STANDS)
+    on = placed.vault.sample(20_000, np.random.default_rng(0)).xyz
+    foot = near_edges(placed, on[(on[:, 2] < 0.05) & (np.abs(on[:, 1]) < 3.0)])
+    hand = near_edges(placed, on[(on[:, 2] > 0.13) & (on[:, 2] < 0.3) & (np.abs(on[:, 1]) < 3.0)])
+    assert len(foot) > 50
+    assert foot.all()
+    assert len(hand) > 50
+    assert not hand.any()
 
 
 def test_the_same_fit_has_the_same_choices() -> None:
