@@ -32,6 +32,7 @@ Array = NDArray[np.float64]
 Result = TypeVar("Result")
 
 SIZE = 0.15, 0.3  # m, and share of a size, by which what looks alike may differ: bays of crypts are seldom equal
+EQUAL = 0.15, 0.06  # m, and share of a size, by which what is built alike may differ
 HEIGHTS = (0.05, 0.25, 0.5, 0.75, 0.98)  # quantiles of a ceiling's heights that are compared
 WORTH = 0.01  # chance of a choice from which on it is tried where it looks alike
 ROUGHER = 1.3, 1e-3  # times, and m, by which the scatter of what is as near may be larger
@@ -51,33 +52,37 @@ def look_of_soffit(soffit: Soffit) -> Array:
 
 
 def firsts(looks: Sequence[Array]) -> list[int]:
-    """For each of these the number of the first that looks like it: its own where none does before it."""
+    """For each of these the number of the one that it begins from: its own where none before it looks alike.
+
+    The first that is as large; if there is none, the first that is not much larger or smaller, and begins from none.
+    """
     found: list[int] = []
     for k, look in enumerate(looks):
-        alike = (j for j, first in enumerate(found) if j == first and _alike(looks[j], look))
-        found.append(next(alike, k))
+        own = [j for j, first in enumerate(found) if first == j or not _alike(looks[j], looks[first], EQUAL)]
+        equal = (j for j in own if _alike(looks[j], look, EQUAL))
+        alike = (j for j in own if found[j] == j and _alike(looks[j], look))
+        found.append(next(equal, next(alike, k)))
     return found
 
 
-def _alike(one: Array, other: Array) -> bool:
+def _alike(one: Array, other: Array, within: tuple[float, float] = SIZE) -> bool:
     larger = np.maximum(np.abs(one), np.abs(other))
-    return bool((np.abs(one - other) < SIZE[0] + SIZE[1] * larger).all())
+    return bool((np.abs(one - other) < within[0] + within[1] * larger).all())
 
 
 def in_turn(first_of: Sequence[int], work: Callable[[int, Result | None], Result]) -> Iterator[tuple[int, Result]]:
-    """Work on all cores on the first of each kind, then on the others with what it came to: numbers and results.
+    """Work on all cores on what begins from nothing, then on what begins from that: numbers and results.
 
     first_of: as `firsts` tells.
     """
     done: dict[int, Result] = {}
-    alone = [k for k, first in enumerate(first_of) if first == k]
-    others = [k for k, first in enumerate(first_of) if first != k]
 
     def following(numbers: list[int], n: int) -> Result:
         return work(numbers[n], done.get(first_of[numbers[n]]))
 
-    for numbers in (alone, others):
-        for k, result in zip(numbers, spread(partial(following, numbers), len(numbers)), strict=True):
+    while left := [k for k in range(len(first_of)) if k not in done]:
+        ready = [k for k in left if first_of[k] == k or first_of[k] in done]
+        for k, result in zip(ready, spread(partial(following, ready), len(ready)), strict=True):
             done[k] = result
             yield k, result
 
@@ -115,15 +120,28 @@ def _stretched(vault: Vault, site: Site, demands: Demands) -> Iterator[Placed]:
     seen = set[tuple[float, ...]]()
     for start in starts(type(vault), site, demands):
         sizes = {name: start.vault.values()[name] for name in lengths}
-        if (key := (start.pose.yaw, *sizes.values())) not in seen:
-            seen.add(key)
-            as_large = vault.replaced(sizes)
-            yield Placed(as_large, replace(start.pose, z=site.crown - as_large.top))
+        if (key := (start.pose.yaw, *sizes.values())) in seen:
+            continue
+        seen.add(key)
+        ways = [(sizes, start.pose)]
+        if vault.quarter_turn and vault.quarter_turn.exchanged:  # the grid has all arches along one axis
+            ways.append((vault.quarter_turn.names(sizes), replace(start.pose, yaw=start.pose.yaw + pi / 2)))
+        for plan, pose in ways:
+            as_large = vault.replaced(plan)
+            yield Placed(as_large, replace(pose, z=site.crown - as_large.top))
 
 
-def choices_like(first: Found) -> tuple[Choice, ...]:
-    """The arches and constraints that are worth a fit where it looks alike."""
+def choices_like(first: Found, one: Found) -> tuple[Choice, ...]:
+    """The arches and constraints of the first that are worth a fit to one as large; none to one of other sizes."""
+    if not _alike(_built(first.placed.vault), _built(one.placed.vault), EQUAL):
+        return ()
     return tuple(choice for choice in first.choices if choice.chance > WORTH)
+
+
+def _built(vault: Vault) -> Array:
+    """Sizes (k,) [m] of a vault, however it is turned: the shorter ones of its plan first, then its height."""
+    values = vault.values()
+    return np.array([*sorted(values[p.name] for p in vault.parameters() if p.range.unit == "m"), vault.top])
 
 
 def agree(found: Sequence[Found], first: Found) -> bool:

@@ -70,7 +70,7 @@ def under_one_ceiling(
         found = [*found, *search.arms(found, search.ceiling.whole)]
     if like and not agree(found, like):
         raise NoVaultError(f"no vault found: {like.placed.vault.called} hangs over what looks alike, but not here")
-    return tuple(likeliest_of(one, demands, rng, choices_like(like) if like else ()) for one in found)
+    return tuple(likeliest_of(one, demands, rng, choices_like(like, one) if like else ()) for one in found)
 
 
 @dataclass(frozen=True)
