@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 CHOICE_POINTS = 3_000  # points that choices are fitted to
 FIT_STEPS, GAIN = 12, 1e-4  # of their fits at most, and the share of the cost that one must still gain
 NARROWEST = 0.02  # m, scale of their loss
-EDGE, EDGE_SHARE = 0.3, 0.08  # m, and share of the shorter side: stone so near to an edge is rounded, plastered, hidden
+EDGE, EDGE_SHARE = 0.1, 0.08  # m, and share of the shorter side: stone so near to an edge is rounded, plastered, hidden
 LOST, LOST_POINTS = 0.1, 2  # share of a component's stone, and points, that a fit may lose where no block speaks of it
 FAR, FEW_FAR = 0.06, 0.02  # m off a fit that is far, and the share of the blocks that may be
 RATIO_STEP = 0.015  # of a ratio, to either side, over which distances are compared
@@ -202,12 +202,9 @@ def _log_within(ends: Array, mean: float, variance: float) -> float:
     return log(max(float(below[1] - below[0]), NEVER))
 
 
-def near_edges(placed: Placed, points: Array, reach: float = EDGE) -> NDArray[np.bool_]:
-    """Which points (n, 3) lie so near to an edge, of two components or of a wall, that they may be of either.
-
-    reach: how near [m], but at most a share of the plan's shorter side.
-    """
-    reach = min(reach, EDGE_SHARE * placed.vault.plan.width)
+def near_edges(placed: Placed, points: Array) -> NDArray[np.bool_]:
+    """Which points (n, 3) [m] lie so near to an edge, of two components or of a wall, that they may be of either."""
+    reach = min(EDGE, EDGE_SHARE * placed.vault.plan.width)
     frame = placed.pose.frame()
     local = points @ frame[:, :3].T + frame[:, 3]
     surface = placed.vault.evaluate(local, walls=True)

@@ -14,7 +14,9 @@ from statistics import fmean
 
 import numpy as np
 
+from families import Vault
 from families.declaration.constraints import Constraint
+from families.declaration.parameters import derived_declarations
 from families.declaration.profiles import as_kind
 from vaultcad.find.choices import Choice
 from vaultcad.find.found import Found
@@ -30,7 +32,7 @@ FORGOTTEN = 1e-3  # chance of a kind that a bay does not list
 AGREE = 0.99  # level of the test
 EXACT = 0.003  # m; no size is known better by one bay
 LOST = 0.03  # share of the stone of a bay that may be farther from it with what it shares
-WORSE = 1.3, 1e-3  # times, and m, by which the scatter of a bay may grow with what it shares
+WORSE = 1.3, 3e-3  # times, and m, by which the scatter of a bay may grow with what it shares: it settled its own way
 
 
 def learned(found: Sequence[Found], demands: Demands) -> tuple[Found, ...]:
@@ -52,18 +54,23 @@ def learned(found: Sequence[Found], demands: Demands) -> tuple[Found, ...]:
 
 @dataclass(frozen=True)
 class _Row:
-    """What equal bays tell together: how likely each choice of kinds is for all, and the sizes in which they agree."""
+    """What equal bays tell together: how likely each choice of kinds is for all, and the sizes in which they agree.
+
+    demanded: the names of those sizes that can be asked of a fit; the others follow from these, or from none.
+    """
 
     joint: Mapping[Kinds, float]
     kinds: Kinds
     shared: Mapping[str, tuple[float, float]]
+    demanded: frozenset[str]
 
     def fitted(self, one: Found, demands: Demands) -> Found:
         """A bay fitted again with what it shares; as it is where the stone says otherwise."""
         start, kept = self._start(one)
         told = {name: told for name, told in self.shared.items() if name not in demands.sizes}
-        asked = replace(demands, sizes={name: mean for name, (mean, _) in told.items()} | dict(demands.sizes))
-        if not told or not asked.suits(start.vault):
+        sizes = {name: mean for name, (mean, _) in told.items() if name in self.demanded}
+        asked = replace(demands, sizes=sizes | dict(demands.sizes))
+        if not sizes or not asked.suits(start.vault):
             return one
         begun = replace(start, vault=asked.begun(start.vault))
         if not asked.met(begun.vault):
@@ -108,13 +115,21 @@ def _told(row: Sequence[Found]) -> _Row | None:
     kinds = max(joint, key=lambda kinds: joint[kinds])
     own = [one for one in row if not one.shared]  # others have their sizes from these
     picked = [next((c for c in one.choices if c.kinds == kinds), None) for one in own]
-    return _Row(joint, kinds, _shared([choice for choice in picked if choice is not None]))
+    shared = _shared([choice for choice in picked if choice is not None])
+    return _Row(joint, kinds, shared, _demandable(row[0].placed.vault) & shared.keys())
 
 
 def shared_by(row: Sequence[Found]) -> Mapping[str, tuple[float, float]]:
-    """Mean and standard deviation of the lengths in which bays of a row agree, by name [m]."""
+    """Mean and standard deviation of the lengths in which bays of a row agree and which can be asked, by name [m]."""
     told = _told(row)
-    return told.shared if told else {}
+    return {name: told.shared[name] for name in told.demanded} if told else {}
+
+
+def _demandable(vault: Vault) -> frozenset[str]:
+    """The lengths of a vault that can be asked of a fit: its parameters, and what one of these decides alone."""
+    own = {p.name for p in vault.parameters()}
+    lengths = {p.name for p in vault.parameters() if p.range.unit == "m"}
+    return frozenset(lengths | {name for name, parameter in decides(type(vault)).items() if parameter in own})
 
 
 def rows_of(found: Sequence[Found]) -> list[list[int]]:
@@ -170,11 +185,9 @@ def _shared(choices: Sequence[Choice]) -> dict[str, tuple[float, float]]:
     if len(choices) < 2:
         return {}
     vault = choices[0].placed.vault
-    own = {p.name for p in vault.parameters()}
-    lengths = {p.name for p in vault.parameters() if p.range.unit == "m" and not p.name.startswith("skew")}
-    lengths |= {name for name, parameter in decides(type(vault)).items() if parameter in own}
+    lengths = _demandable(vault) | {name for name, one in derived_declarations(type(vault)).items() if one.unit == "m"}
     found = {}
-    for name in sorted(lengths):
+    for name in sorted(name for name in lengths if not name.startswith("skew")):
         told = [choice.sizes[name] for choice in choices if name in choice.sizes]
         if len(told) < len(choices):
             continue

@@ -32,20 +32,23 @@ def estimates(
     """Parameters, then derived sizes, of a solution that rests on points (n, 3) [m]; what was held has no deviation.
 
     choices: of how the vault may have been built, the solution's first; deviations allow for them. shared: mean and
-    standard deviation of the sizes that all bays of its row have, if they were built as the first choice is [m].
+    standard deviation of the sizes that all bays of its row have, if they were built as the first choice is [m]; what
+    follows from those that were given it is no surer than the row is of it.
     """
     vault, slopes = solution.placed.vault, slopes_of_sizes(solution)
     told = information(solution, points, sight)
     short = vault.plan.width
 
     def estimate(name: str, value: float, of: Range | Derived, weak: float, *, derived: bool) -> Estimate:
-        own = shared[name][1] if name in shared else covariance.std(slopes[name])
+        alone = covariance.std(slopes[name])
+        of_row = name in shared and alone < NOTHING
+        own = max(alone, shared[name][1]) if name in shared else alone
         std = deviation(name, value, own, choices)
         if std < NOTHING:
             return Estimate(value, of.unit, None, of.meaning, derived)
         # Where a constraint decides, other choices vary.
-        seen = None if own < NOTHING or name in shared else told.share(slopes[name])
-        flags = {"unseen": seen is not None and seen < UNSEEN, "weak": std > weak, "row": name in shared}
+        seen = None if own < NOTHING or of_row else told.share(slopes[name])
+        flags = {"unseen": seen is not None and seen < UNSEEN, "weak": std > weak, "row": of_row}
         return Estimate(value, of.unit, std, of.meaning, derived, seen, tuple(flag for flag, up in flags.items() if up))
 
     found, values = {}, vault.values()

@@ -8,14 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from families import FAMILIES, Barrel, Vault
+from families import FAMILIES, Barrel, Segmental, Vault
 from segmentation.cloud import Cloud
 from vaultcad.find import rows
 from vaultcad.find.found import Found
-from vaultcad.find.rows import _Row
+from vaultcad.find.rows import _Row, learned
 from vaultcad.find.search import under_one_ceiling
 from vaultcad.fit.demands import constraints_of
 from vaultcad.fit.freedom import NONE, Demands, decides
+from vaultcad.fit.uncertainty import covariance
+from vaultcad.measure.coverage import look
+from vaultcad.measure.estimates import estimates
 from vaultcad.scanner import ScannerSettings, scan
 from vaultcad.survey.thinned_scan import thin_scan
 
@@ -37,7 +40,9 @@ def test_a_bay_is_not_fitted_with_what_takes_it_off_its_stone(monkeypatch: pytes
     cloud = Cloud(scan(Barrel(5.3, 4.0), SETTINGS, rng=np.random.default_rng(5)).xyz.astype(np.float32))
     (found,) = under_one_ceiling(thin_scan(cloud), cloud.xyz, (Barrel,), np.random.default_rng(0), NONE)
     joint = {choice.kinds: 1.0 for choice in found.choices}
-    row = _Row(joint, found.choices[0].kinds, {"span": (found.placed.vault.values()["span"], 0.01)})
+    row = _Row(
+        joint, found.choices[0].kinds, {"span": (found.placed.vault.values()["span"], 0.01)}, frozenset({"span"})
+    )
 
     def moved(by: float) -> Found:
         solution, pose = found.refined.solution, found.placed.pose
@@ -47,3 +52,32 @@ def test_a_bay_is_not_fitted_with_what_takes_it_off_its_stone(monkeypatch: pytes
 
     assert moved(0.5) is found
     assert moved(0.005).placed.pose.x == pytest.approx(found.placed.pose.x + 0.005)
+
+
+def test_what_follows_from_the_sizes_of_a_row_is_as_unsure_as_the_row_is_of_it() -> None:
+    """Else a radius would be exact that hangs on a span and a rise which are not."""
+    cloud = Cloud(scan(Barrel(5.3, 4.0, Segmental(0.3)), SETTINGS, rng=np.random.default_rng(6)).xyz.astype(np.float32))
+    (found,) = under_one_ceiling(thin_scan(cloud), cloud.xyz, (Barrel,), np.random.default_rng(0), NONE)
+    bays = [replace(found, choices=found.choices[:1])] * 3
+    (one, *_) = learned([bays[0], *(_beside(bay, k) for k, bay in enumerate(bays[1:], 1))], NONE)
+    assert {"span", "rise", "radius"} <= one.shared.keys()
+    sight = look(one.placed.vault, one.refined.points, 0.1, np.random.default_rng(0))
+    spread = covariance(one.refined.loose, one.refined.points)
+    told = estimates(one.refined.loose, one.refined.points, sight, spread, shared=one.shared)
+    for name in ("span", "rise", "radius"):
+        assert told[name].std == pytest.approx(one.shared[name][1])
+        assert "row" in told[name].flags
+
+
+def _beside(bay: Found, number: int) -> Found:
+    """The same bay so many lengths farther along its axis."""
+    pose = bay.placed.pose
+    away = number * (bay.placed.vault.plan.half[1] * 2 + 0.5)
+    there = replace(pose, x=pose.x - away * np.sin(pose.yaw), y=pose.y + away * np.cos(pose.yaw))
+    solution = bay.refined.solution
+    placed = replace(solution.placed, pose=there)
+    moved = bay.refined.evidence.points + (there.x - pose.x, there.y - pose.y, 0.0)
+    evidence = replace(bay.refined.evidence, points=moved)
+    choices = tuple(replace(choice, placed=replace(choice.placed, pose=there)) for choice in bay.choices)
+    refined = replace(bay.refined, solution=replace(solution, placed=placed, points=moved), evidence=evidence)
+    return replace(bay, refined=refined, choices=choices)
