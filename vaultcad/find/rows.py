@@ -32,7 +32,7 @@ FORGOTTEN = 1e-3  # chance of a kind that a bay does not list
 AGREE = 0.99  # level of the test
 EXACT = 0.003  # m; no size is known better by one bay
 LOST = 0.03  # share of the stone of a bay that may be farther from it with what it shares
-WORSE = 1.3, 3e-3  # times, and m, by which the scatter of a bay may grow with what it shares: it settled its own way
+WORSE = 1.3, 1e-3  # times, and m, by which the scatter of a bay may grow with what it shares
 
 
 def learned(found: Sequence[Found], demands: Demands) -> tuple[Found, ...]:
