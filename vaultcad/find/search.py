@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 
 from families import Vault
 from families.kinds.barrel import Barrel
+from families.kinds.lunette import Lunette
 from vaultcad.errors import NoVaultError, OtherThingError
 from vaultcad.find.found import Found, likeliest_of
 from vaultcad.find.likeness import agree, choices_like, starts_like
+from vaultcad.find.lunettes import lunettes_at
 from vaultcad.find.misfit import Misfit, refuse_strangers
 from vaultcad.find.no_vault import PartlyError, check, check_bent
 from vaultcad.find.pockets import pockets_behind
-from vaultcad.find.recognise import recognise
+from vaultcad.find.recognise import Start, recognise
 from vaultcad.find.refine import refine
 from vaultcad.find.ribs import SeenRib, ribs_under
 from vaultcad.fit.freedom import NONE, Demands
@@ -207,8 +209,14 @@ class _Search:
             site = _without(site, ribs)
             hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
             refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
+        pockets = pockets_behind(refined.placed, site)
+        if (row := lunettes_at(refined.placed, pockets)) and Lunette in self.families:
+            known = (*(Start((h.solution.placed,), h.kept) for h in hypotheses), row)
+            hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands, known=known)
+            refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
+            pockets = pockets_behind(refined.placed, site)
         misfit = Misfit.of(refined).with_stone_beside(refined.placed, site)
-        misfit = misfit.with_pockets(pockets_behind(refined.placed, site)).with_ridges(refined.placed, xyz)
+        misfit = misfit.with_pockets(len(pockets)).with_ridges(refined.placed, xyz)
         found = Found(site, hypotheses, refined, refined.tolerance, misfit=misfit)
         check(refined, site, found.tolerance)
         refuse_strangers(found.misfit, found.placed.vault)
