@@ -1,4 +1,4 @@
-"""Lunettes begun where stone goes back behind a barrel: of small ones first guesses tell too little, of odd rows nothing."""
+"""Lunettes begun where stone goes back behind a barrel: first guesses tell too little of small or shifted ones."""
 
 from __future__ import annotations
 

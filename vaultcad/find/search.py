@@ -20,6 +20,7 @@ from vaultcad.find.lunettes import lunettes_at
 from vaultcad.find.misfit import Misfit, refuse_strangers
 from vaultcad.find.no_vault import PartlyError, check, check_bent
 from vaultcad.find.pockets import pockets_behind
+from vaultcad.find.reach import reach_of
 from vaultcad.find.recognise import Start, recognise
 from vaultcad.find.refine import refine
 from vaultcad.find.ribs import SeenRib, ribs_under
@@ -69,7 +70,7 @@ def under_one_ceiling(
     if not found:
         raise search.refusals[0]
     if not single and like is None:
-        found = [*found, *search.arms(found, search.ceiling.whole)]
+        found = search.to_their_ends([*found, *search.arms(found, search.ceiling.whole)])
     if like and not agree(found, like):
         raise NoVaultError(f"no vault found: {like.placed.vault.called} hangs over what looks alike, but not here")
     return tuple(likeliest_of(one, demands, rng, choices_like(like) if like else ()) for one in found)
@@ -143,6 +144,20 @@ class _Search:
                 if arm.confidence[0] >= LIKELY and (on & mine).sum() > OWN * on.sum():
                     arms.append(arm)
         return arms
+
+    def to_their_ends(self, found: Sequence[Found]) -> list[Found]:
+        """The same vaults, those whose ends were cut by guess fitted again up to where their stone ends."""
+        out = list(found)
+        for k, one in enumerate(out):
+            others = [(other.placed, other.tolerance) for other in out if other is not one]
+            part = reach_of(one.placed, one.tolerance, others, self.ceiling) if one.site.guessed else None
+            if part is None:
+                continue
+            with suppress(NoVaultError):
+                again = self._fit(part, part=True)
+                if type(again.placed.vault) is type(one.placed.vault):
+                    out[k] = again
+        return out
 
     def _fit(self, region: Region, part: bool) -> Found:
         """One vault over all of a region, which may be a part of the scan only.
