@@ -47,10 +47,10 @@ def _rows(vault: Barrel, pockets: Sequence[Array]) -> Iterator[Vault]:
     most = _range("count").high
     if count > most or not 0 < top < vault.rise:
         return
-    pitch = min(float(np.ptp(centres)) / (count - 1) if count > 1 else pitch, vault.length / count)
+    shift = float(centres[0] + centres[-1]) / 2
+    pitch = min(float(np.ptp(centres)) / (count - 1) if count > 1 else pitch, (vault.length - 2 * abs(shift)) / count)
     slack = (vault.length - count * pitch) / 2
-    shift = float((centres[0] + centres[-1]) / 2 / slack) if slack > 0 else 0.0
-    shares = {"pitch_ratio": pitch * count / vault.length, "shift_ratio": shift}
+    shares = {"pitch_ratio": pitch * count / vault.length, "shift_ratio": shift / slack if slack > 0 else 0.0}
     for kind in ARCHES:
         profile = kind.over(top / width) or kind()
         rise = min(profile.rise(width / 2), top)
