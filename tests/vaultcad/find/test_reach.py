@@ -21,7 +21,7 @@ ARM = (RADIUS, 5.9)  # m, from where to where along y it goes
 def crossing() -> CeilingGrid:
     """A sail over a crossing, and one arm of it, a barrel along y."""
     square = np.where(Y < RADIUS, 2 * RADIUS**2 - X**2 - Y**2, RADIUS**2 - X**2)
-    inside = (np.abs(X) < RADIUS) & (Y > -RADIUS) & (Y < ARM[1])
+    inside = (np.abs(X) < RADIUS) & (Y > -RADIUS) & (ARM[1] > Y)
     height: NDArray[np.float64] = np.where(inside, np.sqrt(np.maximum(square, 0.0)), np.nan)
     places = np.stack(np.broadcast_arrays(X, Y, height), axis=-1)
     return CeilingGrid(height, places, np.array([X.min(), Y.min()]) - CELL / 2, CELL, 0.0)
