@@ -63,7 +63,7 @@ def beside(work: Callable[[Tell], T], *, long: bool = True) -> Iterator[Callable
         return
     context = multiprocessing.get_context("fork")
     ours, its = context.Pipe(duplex=False)
-    process = context.Process(target=_beside, args=(work, its), daemon=True)
+    process = context.Process(target=_beside, args=(work, its))
     process.start()
     its.close()
 

@@ -19,6 +19,7 @@ HALF_SPAN, RISE, STILT, ARCS, U1, Z1, R1, U2, Z2, R2 = range(14, 24)
 NAME, NAMING = 24, 28  # four names from 24 on; NAMING says how the name is chosen
 FOOT = 29  # height from which on the piece is free of the plan, -inf if it never is
 WIDTH = 30
+KINDS_OF = (PIECE, KIND, ARCS, NAMING)  # columns that tell kinds, and no sizes
 
 # Those of a web, in places that it has no other use for: kind of its arch, haunch ratio of that, bow of the ridge,
 # distance of the wall, middle of that along it, half its length, reach and rise.

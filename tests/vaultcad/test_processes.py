@@ -66,6 +66,24 @@ def test_what_a_killed_process_left_is_done_here(caplog: pytest.LogCaptureFixtur
     assert list(spread(lambda k: k, 3)) == [0, 1, 2]
 
 
+def test_work_beside_has_work_beside_it() -> None:
+    words: list[str] = []
+
+    def further(tell: Callable[[str], None]) -> list[int]:
+        tell("further")
+        return [os.getpid()]
+
+    def work(tell: Callable[[str], None]) -> list[int]:
+        with beside(further) as result:
+            tell("work")
+            return [os.getpid(), *result(tell)]
+
+    with beside(work) as result:
+        there = result(words.append)
+    assert words == ["work", "further"]
+    assert len({os.getpid(), *there}) == (3 if processes.FORKS and len(os.sched_getaffinity(0)) > 1 else 1)
+
+
 def test_work_beside_tells_its_way_and_what_it_came_to() -> None:
     words: list[str] = []
     here = os.getpid()

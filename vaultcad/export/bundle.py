@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
@@ -32,6 +32,8 @@ from vaultcad.processes import beside
 PAGE = "report.html"
 REVIEW = "review.png"
 MANY = 1_000_000  # points, whose packing holds the solids up for longer than a process takes to begin
+SEVERAL = 4  # vaults, the drawings of which take longer than a process to begin
+BODIES = ("model.step", "model.ifc", "model.glb")
 WRITERS: dict[str, Callable[[Model, Path], None]] = {
     "model.step": write_step,
     "model.ifc": write_ifc,
@@ -106,10 +108,17 @@ def write_all(
             del writers["model.step"]
         # These tell what was fitted; what is drawn has to be built, which whoever reads the model does again.
         told = {REPORT: replace(model, notes=solids.notes), MODEL: model}
-        for name, write in writers.items():
-            tell(name)
-            with writing(out / name):
-                write(told.get(name, solids), place.part / name)
+
+        def write(names: Collection[str], tell: Callable[[str], None]) -> None:
+            for name in names:
+                tell(name)
+                with writing(out / name):
+                    writers[name](told.get(name, solids), place.part / name)
+
+        drawings = [name for name in writers if name not in BODIES]
+        with beside(partial(write, drawings), long=len(model.vaults) > SEVERAL) as drawn:
+            write([name for name in writers if name in BODIES], tell)
+            drawn(tell)
         return solids
 
     # Most of the time goes into packing the scan, and into solids, for which a process is forked; in that the packer

@@ -120,11 +120,11 @@ def _barrel(site: Site, rng: np.random.Generator, demands: Demands, like: Found 
     Raises:
         NoVaultError: an arch of no kind comes near.
     """
-    known = starts_like(like, site, (Barrel,)) if like else ()
+    known = starts_like(like, site, (Barrel,), demands) if like else ()
     hypotheses = recognise(site, rng, families=(Barrel,), demands=demands, known=known)
     refined = refine(hypotheses[0], site, rng, demands=demands, known=like.refined.kept if like else None)
     found = Found(site, hypotheses, refined, refined.tolerance)
-    return likeliest_of(found, demands, rng, choices_like(like) if like else ())
+    return likeliest_of(found, demands, rng, choices_like(like, found) if like else ())
 
 
 def _site(soffit: Soffit, thin: Thin) -> Site:

@@ -189,7 +189,9 @@ def _ribbed(
     rng: np.random.Generator,
 ) -> Findings:
     """The same with the ribs under vaults, which are not arches between these."""
-    between, ribs = told_apart(arches, [rib for one in vaults for rib in rib_arches(one, thin, xyz, rng)])
+    rngs = rng.spawn(len(vaults))
+    under = spread(lambda n: list(rib_arches(vaults[n], thin, xyz, rngs[n])), len(vaults))
+    between, ribs = told_apart(arches, [rib for found in under for rib in found])
     if not ribs:
         return Findings(vaults, tuple(arches), hung)
     bands = [(one.placed, one.tolerance) for one in vaults]
@@ -234,10 +236,11 @@ def _weighed(vaults: Sequence[Found], ceilings: Sequence[Ceiling], thin: Thin) -
     Raises:
         NoVaultError: they explain so little that they are no vaults.
     """
-    vaults = tuple(replace(one, misfit=one.misfit.with_sight(seen_through(one.placed, thin.points))) for one in vaults)
+    sights = spread(lambda n: seen_through(vaults[n].placed, thin.points), len(vaults))
+    seen = [replace(one, misfit=one.misfit.with_sight(sight)) for one, sight in zip(vaults, sights, strict=True)]
     bent = np.concatenate([np.empty((0, 3)), *(ceiling.points[~ceiling.level] for ceiling in ceilings)])
     if not len(bent):
-        return vaults
+        return tuple(seen)
     share = float((label(bent, [(one.placed, one.tolerance) for one in vaults]).vault > 0).mean())
     if share * (1 - part_of_more(share)) < SHARE:
         titles = ", ".join(dict.fromkeys(one.placed.vault.called for one in vaults))
@@ -245,4 +248,4 @@ def _weighed(vaults: Sequence[Found], ceilings: Sequence[Ceiling], thin: Thin) -
             f"no vault found: {titles} is near, but explains {share:.0%} of what is bent over the rooms of the "
             "scan; crop it to the vault"
         )
-    return tuple(replace(one, misfit=one.misfit.with_share(share)) for one in vaults)
+    return tuple(replace(one, misfit=one.misfit.with_share(share)) for one in seen)

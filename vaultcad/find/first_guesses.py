@@ -23,7 +23,7 @@ def starts(family: type[Vault], site: Site, demands: Demands = NONE) -> Iterator
     Sizes that are fixed are as they should be; a yaw that is fixed leaves the one quarter turn that is nearest to it.
     """
     lowest = -np.inf if SPRINGING.name in demands.freed else site.bottom - 0.5
-    for ground in site.grounds.get(family.stands_over, ()):
+    for ground in site.over(family.stands_over):
         if not min(ground.footprint.span_x, ground.footprint.span_y) > 0:
             continue
         for over, yaw in _ways(family, ground, demands):

@@ -71,8 +71,9 @@ class Start:
 
     def asked(self, demands: Demands) -> Start | None:
         """The same with arches that can have the sizes that are fixed; None where the family has none."""
-        vault = demands.suited(self.ways[0].vault)
-        return None if vault is None else Start(tuple(replace(way, vault=vault) for way in self.ways), self.kept)
+        suited = [(way, demands.suited(way.vault)) for way in self.ways]
+        ways = tuple(replace(way, vault=vault) for way, vault in suited if vault is not None)
+        return Start(ways, self.kept) if ways else None
 
 
 def recognise(

@@ -73,7 +73,7 @@ def under_one_ceiling(
         found = search.to_their_ends([*found, *search.arms(found, search.ceiling.whole)])
     if like and not agree(found, like):
         raise NoVaultError(f"no vault found: {like.placed.vault.called} hangs over what looks alike, but not here")
-    return tuple(likeliest_of(one, demands, rng, choices_like(like) if like else ()) for one in found)
+    return tuple(likeliest_of(one, demands, rng, choices_like(like, one) if like else ()) for one in found)
 
 
 @dataclass(frozen=True)
@@ -215,7 +215,7 @@ class _Search:
         for axis, side in region.valleys:
             site = site.with_guessed_ends(axis, side)
         check_bent(site)
-        known = starts_like(self.like, site, self.families) if self.like else ()
+        known = starts_like(self.like, site, self.families, self.demands) if self.like else ()
         hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands, known=known)
         same = self.like is not None and type(hypotheses[0].vault) is type(self.like.placed.vault)
         kept = self.like.refined.kept if self.like and same else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ DIFFERENCE = 1e-6  # of finite differences; lengths are metres, ratios and angle
 MARGIN = 1e-9
 HALVINGS = 20  # of a step, to where a length that is given can just be
 LONGEST_STEP = 0.5  # m, rad or 1: no step goes farther, however flat the cost
+AS_HERE = 0.1  # m, rad or 1, of each parameter: so near, the bodies change with it as they did
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,7 @@ class Solution:
     @Once
     def jacobian(self) -> Array:
         """Derivatives (n, k) of the distances by the unknowns."""
-        return _jacobian(self.placed, self.free, self.points)
+        return _jacobian(self.placed, _Bodies.of(self.placed, self.free), self.free, self.points)
 
 
 def robust_cost(residuals: Array, scale: float) -> Array:
@@ -100,13 +101,14 @@ def solve(
     low, high = _bounds(start.vault, free, lowest)
     x = np.clip(_vector(start, free), low, high)
     placed, converged = _placed(start, free, x), False
-    r = placed.distance(points)
+    r, bodies = placed.distance(points), _Bodies.of(placed, free)
     for scale in scales:
         damping, converged, leaning = 1e-3, False, np.zeros(len(x))
         cost = float(weights @ robust_cost(r, scale))
         for _ in range(most):
             w = weights / (1 + (r / scale) ** 2) ** 2
-            jacobian = _jacobian(placed, free, points)
+            bodies = bodies.at(placed, free)
+            jacobian = _jacobian(placed, bodies, free, points)
             gradient, hessian = jacobian.T @ (w * r), (jacobian.T * w) @ jacobian
             resting = ((x <= low + MARGIN) & (gradient > 0)) | ((x >= high - MARGIN) & (gradient < 0))
             resting |= leaning * gradient < 0
@@ -167,29 +169,72 @@ def _within_reach(start: Placed, free: Freedom, x: Array, trial: Array) -> tuple
     return reached(low, which), np.where(which, np.sign(trial - x), 0.0) if which.sum() == 1 else np.zeros(len(x))
 
 
-def _jacobian(placed: Placed, free: Freedom, points: Array) -> Array:
+@dataclass(frozen=True)
+class _Bodies:
+    """How the bodies of a vault change with what is free.
+
+    values: (k,) of that, where it was asked. table, plan: the bodies and the outline there. moved, outlines:
+    (k, bodies, width) and (k, sides, 5), the same with each of these a step (k,) larger. others: the number of what
+    makes more or fewer bodies, with these: of a trough that is just not yet a cloister, or a sector that just takes
+    another arc.
+    """
+
+    values: Array
+    table: Array
+    plan: Array
+    moved: Array
+    outlines: Array
+    steps: Array
+    others: tuple[tuple[int, Array, Array], ...]
+
+    @classmethod
+    def of(cls, placed: Placed, free: Freedom) -> _Bodies:
+        """By finite differences."""
+        x, (_, high) = _vector(placed, free), _bounds(placed.vault, free, -np.inf)
+        _, table, plan = placed.packed
+        count = len(free.names)
+        moved, outlines = np.repeat(table[None], count, axis=0), np.repeat(plan[None], count, axis=0)
+        steps = np.where(x + DIFFERENCE <= high, DIFFERENCE, -DIFFERENCE)[len(POSE) :]
+        others: list[tuple[int, Array, Array]] = []
+        for k, step in enumerate(steps.tolist()):
+            there = x.copy()
+            there[len(POSE) + k] += step
+            bodies, outline = tables(_moved(placed, free, there))
+            if len(bodies) == len(table) and len(outline) == len(plan):
+                moved[k], outlines[k] = bodies, outline
+            else:
+                others.append((k, bodies, outline))
+        return cls(x[len(POSE) :], table, plan, moved, outlines, steps, tuple(others))
+
+    def at(self, placed: Placed, free: Freedom) -> _Bodies:
+        """The same at a vault that may be another: as they changed here if it is near, for packing them takes long."""
+        values, (_, table, plan) = _vector(placed, free)[len(POSE) :], placed.packed
+        near = bool((np.abs(values - self.values) < AS_HERE).all()) and not self.others
+        alike = table.shape == self.table.shape and plan.shape == self.plan.shape
+        if not (near and alike and (table[:, body_table.KINDS_OF] == self.table[:, body_table.KINDS_OF]).all()):
+            return _Bodies.of(placed, free)
+        moved, outlines = _carried(self.moved, self.table, table), _carried(self.outlines, self.plan, plan)
+        return replace(self, moved=moved, outlines=outlines, table=table, plan=plan)
+
+
+def _carried(moved: Array, here: Array, there: Array) -> Array:
+    """Tables that were moved from one, moved from another by as much; what stayed stays."""
+    other = moved != here
+    out = np.repeat(there[None], len(moved), axis=0)
+    out[other] += moved[other] - np.broadcast_to(here, moved.shape)[other]
+    return out
+
+
+def _jacobian(placed: Placed, bodies: _Bodies, free: Freedom, points: Array) -> Array:
     """Derivatives (n, k) of the distances to a vault by its pose and what is free.
 
     By the pose from the normals, by the parameters from finite differences.
     """
-    x, (_, high) = _vector(placed, free), _bounds(placed.vault, free, -np.inf)
     frame, table, plan = placed.packed
-    count = len(free.names)
-    moved, outlines = np.repeat(table[None], count, axis=0), np.repeat(plan[None], count, axis=0)
-    steps = np.where(x + DIFFERENCE <= high, DIFFERENCE, -DIFFERENCE)[len(POSE) :]
-    others: list[tuple[int, Array, Array]] = []
-    for k, step in enumerate(steps.tolist()):
-        there = x.copy()
-        there[len(POSE) + k] += step
-        bodies, outline = tables(_moved(placed, free, there))
-        if len(bodies) == len(table) and len(outline) == len(plan):
-            moved[k], outlines[k] = bodies, outline
-        else:  # a trough that is just not yet a cloister, a sector that just takes another arc
-            others.append((k, bodies, outline))
-    jacobian: Array = kernel.slopes(points, frame, table, plan, moved, outlines, steps)
-    for k, bodies, outline in others:
-        change = kernel.distances(points, frame, bodies, outline) - placed.distance(points)
-        jacobian[:, len(POSE) + k] = change / steps[k]
+    jacobian: Array = kernel.slopes(points, frame, table, plan, bodies.moved, bodies.outlines, bodies.steps)
+    for k, other, outline in bodies.others:
+        change = kernel.distances(points, frame, other, outline) - placed.distance(points)
+        jacobian[:, len(POSE) + k] = change / bodies.steps[k]
     jacobian[:, [k for k, name in enumerate(POSE) if name in free.pose]] = 0
     return jacobian
 

@@ -10,6 +10,8 @@ from math import nan, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from segmentation.threads import threads
+from vaultcad.processes import spread
 from vaultcad.survey.patches import Patches
 from vaultcad.survey.plan_grid import PlanGrid
 from vaultcad.survey.thinned_scan import CHUNK
@@ -188,10 +190,15 @@ def _met(beyond: Array, height: Array) -> Array:
 
 def _edged(soffits: list[Soffit], xyz: NDArray[np.floating]) -> Iterator[Soffit]:
     """Soffits up to their edges, which the points of the scan tell: patches end before."""
-    near = _Near.to(soffits, xyz) if soffits else None
-    for soffit in soffits:
-        own = near.over(soffit) if near else xyz[:0]
-        yield measured(measured(soffit, own), own)  # turned, then measured
+    if not soffits:
+        return iter(())
+    near = _Near.to(soffits, xyz)
+
+    def edged(n: int) -> Soffit:
+        own = near.over(soffits[n])
+        return measured(measured(soffits[n], own), own)  # turned, then measured
+
+    return spread(edged, len(soffits))
 
 
 @dataclass(frozen=True)
@@ -212,12 +219,14 @@ class _Near:
         high = np.max([soffit.place + soffit.length for soffit in soffits], axis=0)
         grid = PlanGrid.over(low, high, NEAR)
         held = np.append(np.any([_touches(soffit, grid) for soffit in soffits], axis=0), False)
-        numbers, points = [], []
-        for k in range(0, len(xyz), CHUNK):
+
+        def some(k: int) -> tuple[NDArray[np.int32], NDArray[np.floating]]:
             number = grid.numbers(xyz[k : k + CHUNK])
             (mine,) = np.nonzero(held[number])
-            numbers.append(number[mine].astype(np.int32))
-            points.append(xyz[k + mine])
+            return number[mine].astype(np.int32), xyz[k + mine]
+
+        with threads() as pool:
+            numbers, points = zip(*pool.map(some, range(0, len(xyz), CHUNK)), strict=True)
         number = np.concatenate(numbers)
         order = np.argsort(number, kind="stable")
         starts = np.searchsorted(number[order], np.arange(len(held)))

@@ -89,12 +89,21 @@ class Site:
         return spans
 
     @cached_property
-    def grounds(self) -> Mapping[str, tuple[Ground, ...]]:
-        """What a vault may stand over, by the shapes of footprints: the rectangle, and what normals tell of others."""
+    def rectangle(self) -> Ground:
+        """That as what a vault may stand over."""
         (x, y), (a, b) = self.centre.tolist(), self.spans.tolist()
         slopes = slopes_of(turned(self.points[:, :2], self.yaw), self.points[:, 2], self.normals[:, 2], STEEP)
         over = Footprint(a, b, slope_x=slopes[0], slope_y=slopes[1], splay_x=self.splay[0], splay_y=self.splay[1])
-        return {RECTANGLE: (Ground(over, x, y, self.yaw),), **grounds_of(self.points, self.normals, STEEP)}
+        return Ground(over, x, y, self.yaw)
+
+    @cached_property
+    def grounds(self) -> Mapping[str, tuple[Ground, ...]]:
+        """What else normals tell that it may stand over, by the shapes of footprints."""
+        return grounds_of(self.points, self.normals, STEEP)
+
+    def over(self, shape: str) -> tuple[Ground, ...]:
+        """What a vault over footprints of a shape may stand over."""
+        return (self.rectangle,) if shape == RECTANGLE else self.grounds.get(shape, ())
 
 
 @dataclass(frozen=True)
@@ -330,7 +339,7 @@ def _open_sides(xyz: NDArray[np.floating], site: Site) -> list[OpenSide]:
 
 def _open(xyz: NDArray[np.floating], site: Site, sides: list[OpenSide]) -> Site:
     """The site with where the stone ends on its open sides: of each strip across an edge one point."""
-    shape = next((shape for shape in site.grounds if shape != RECTANGLE), None)
+    shape = next(iter(site.grounds), None)
     if shape is None:
         ends = turned(np.concatenate([side.ends for side in sides]), -site.yaw)
     else:

@@ -12,7 +12,7 @@ from families import Barrel, Groin, Pointed, Sail, Segmental, Semicircular, Vaul
 from vaultcad.find import rows
 from vaultcad.find.choices import Choice
 from vaultcad.find.found import Found
-from vaultcad.find.likeness import firsts, in_turn, look_of_ceiling, starts_like
+from vaultcad.find.likeness import choices_like, firsts, in_turn, look_of_ceiling, starts_like
 from vaultcad.find.recognise import Hypothesis, confidence
 from vaultcad.find.refine import Refined
 from vaultcad.find.second_look import second_looks
@@ -77,15 +77,29 @@ def ceiling(points: np.ndarray) -> Ceiling:
 
 
 def test_ceilings_look_alike_wherever_they_stand_and_others_do_not() -> None:
-    vaults = (LARGE, SMALL, LARGE, replace(LARGE, profile_x=Pointed(0.8), profile_y=Pointed(0.7)), SMALL, LARGE)
+    pointed = replace(LARGE, profile_x=Pointed(0.8), profile_y=Pointed(0.7))
+    larger = replace(LARGE, span_x=5.6, span_y=6.6)
+    vaults = (LARGE, SMALL, LARGE, pointed, SMALL, LARGE, larger, larger)
     poses = [Pose(7.0 * k, -2.0 * k, 0.3 * k, radians(40 * k)) for k in range(len(vaults))]
     looks = [look_of_ceiling(stone(vault, pose, k)) for k, (vault, pose) in enumerate(zip(vaults, poses, strict=True))]
-    assert firsts(looks) == [0, 1, 0, 3, 1, 0]
+    assert firsts(looks) == [0, 1, 0, 3, 1, 0, 0, 6]  # what is larger begins from the first, the next from that
 
 
 def test_the_first_of_each_kind_comes_first_and_is_told_to_the_others() -> None:
-    told = list(in_turn([0, 1, 0, 1, 1, 5], lambda k, first: (k, first and first[0])))
-    assert told == [(0, (0, None)), (1, (1, None)), (5, (5, None)), (2, (2, 0)), (3, (3, 1)), (4, (4, 1))]
+    told = list(in_turn([0, 1, 0, 2, 1, 5], lambda k, first: (k, first and first[0])))
+    assert told == [(0, (0, None)), (1, (1, None)), (5, (5, None)), (2, (2, 0)), (4, (4, 1)), (3, (3, 2))]
+
+
+def test_of_arches_only_those_of_a_vault_as_large_are_taken_over() -> None:
+    pose = Pose(0.0, 0.0, 3.0, 0.0)
+    kinds = (LARGE, replace(LARGE, profile_x=Semicircular()))
+    told = tuple(
+        Choice(Placed(vault, pose), (), chance, {}) for vault, chance in zip(kinds, (0.995, 0.005), strict=True)
+    )
+    first = replace(found(LARGE, pose, site(pose, 0)), choices=told)
+    turned, larger = Groin(5.4, 4.6, LARGE.profile_y, LARGE.profile_x), replace(LARGE, span_y=6.8)
+    assert choices_like(first, found(turned, pose, site(pose, 1))) == told[:1]
+    assert choices_like(first, found(larger, pose, site(pose, 0))) == ()
 
 
 @pytest.mark.parametrize("quarter", [0, 1])
@@ -97,6 +111,15 @@ def test_families_begin_where_the_stone_is_that_looks_alike(quarter: int) -> Non
     points = stone(LARGE, there, 1)
     assert min(np.abs(way.distance(points)).max() for way in start.ways) < 1e-9
     assert len({round(way.pose.yaw, 6) for way in start.ways}) == 4
+
+
+@pytest.mark.parametrize("quarter", [0, 1])
+def test_what_is_larger_begins_stretched_to_its_own_plan(quarter: int) -> None:
+    small, there = replace(LARGE, span_x=3.9, span_y=4.5), Pose(-20.0, 9.0, 4.5, 1.4)
+    first = found(small, Pose(1.0, 2.0, 3.0, 0.2), site(Pose(1.0, 2.0, 3.0, 0.2), 0))
+    (start,) = starts_like(first, site(there, quarter), (Groin,))
+    points = stone(LARGE, there, 1)
+    assert min(np.abs(way.distance(points)).max() for way in start.ways) < 0.01
 
 
 def test_what_a_row_lacks_is_looked_at_again() -> None:
