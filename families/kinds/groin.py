@@ -24,7 +24,7 @@ from families.declaration.vault import Vault
 
 EQUALLY_HIGH = 0.8  # the lower barrel rises to this share of the higher, else it is a row of lunettes
 SAME_HEIGHT = 0.005  # [m] within which barrels are so equally high that groins are straight but for the crown
-BEGUN_KINDS = (*COARSE_KINDS, Stilted)  # of arches in first guesses: a steep one beside a pointed one is often stilted
+BEGUN_KINDS: tuple[type[Profile], ...] = (*COARSE_KINDS, Stilted)  # of arches in first guesses: steep ones are stilted
 BEGUN = 0.02  # where a crown rise or an offset is looked for first
 
 

@@ -160,7 +160,7 @@ def _is_level_with(patches: Patches, floor: NDArray[np.bool_]) -> NDArray[np.boo
     size = np.bincount(patches.patch)
     middle = np.column_stack([np.bincount(patches.patch, axis) / size for axis in patches.points.T])
     reach, _ = cKDTree(patches.points[mine] / DOORSTEP).query(middle / DOORSTEP)
-    found: NDArray[np.bool_] = reach < 1
+    found: NDArray[np.bool_] = np.asarray(reach) < 1
     return found
 
 
