@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 ANGLE = 0.2  # [rad] between neighbouring triangles, so that small arcs stay round
 WELD = 10  # decimals of a metre to which vertices on a common edge agree
+MICRO = 5e-6  # [m] of edges as short as OpenCASCADE lets ends of curves miss a vertex: they are no edges
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,26 @@ def _welded(points: NDArray[np.float64], corners: NDArray[np.int64], names: NDAr
     order = np.argsort(first)
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
-    triangles = rank[where][corners]
+    vertices, triangles = _without_micro_edges(points[first[order]], rank[where][corners])
     a, b, c = triangles.T
     whole = (a != b) & (b != c) & (c != a)
-    return Mesh(points[first[order]], triangles[whole].astype(np.int32), names[whole])
+    return Mesh(vertices, triangles[whole].astype(np.int32), names[whole])
+
+
+def _without_micro_edges(
+    vertices: NDArray[np.float64], triangles: NDArray[np.intp]
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """The mesh with one vertex for all that micro-edges join."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    ends = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    length = np.abs(vertices[ends[:, 0]] - vertices[ends[:, 1]]).max(axis=1)
+    micro = ends[(ends[:, 0] != ends[:, 1]) & (length < MICRO)]
+    if not len(micro):
+        return vertices, triangles
+    size = len(vertices)
+    _, group = connected_components(coo_array((np.ones(len(micro)), micro.T), (size, size)), directed=False)
+    _, lowest = np.unique(group, return_index=True)
+    kept, joined = np.unique(lowest[group], return_inverse=True)
+    return vertices[kept], joined[triangles]

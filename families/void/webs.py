@@ -40,6 +40,8 @@ Array = NDArray[np.float64]
 SAME = 1e-9  # [m] beside a rib
 FLAT = 1e-6  # rise / half span of an arch that is level
 STEP = 1e-5  # of differences on the way to a wall, as a share of it
+BESIDE = 0.08  # share of the way to its wall, from there, within which a point's foot on a web is looked for by steps
+MOST_FEET, LEAST_LEFT, SETTLED = 8, 0.125, 1e-5  # steps; what of the way to the wall one leaves; and the last step [m]
 CENTRE = 1e-9  # share of the way to its wall below which a web is one point
 
 
@@ -146,10 +148,36 @@ def to_web(x: float, y: float, z: float, parts: Array, k: int) -> tuple[float, f
         return -inf, 0.0, 0.0, 1.0
     if v < CENTRE:
         return z - _chord(0.0, parts, k)[0], 0.0, 0.0, 1.0
-    d, nu, nz = _section(along, across, z, parts, k)
-    na = _lean(along, across - d * nu, z - d * nz, nu, nz, parts, k)
+    base = min(along, parts[k, DEPTH])
+    off, foot, nu, na, nz = _tangent(base, along, across, z, parts, k)
+    beside = (parts[k, DEPTH] - along) / (BESIDE * parts[k, DEPTH])
+    if beside < 1.0 and off > along - parts[k, DEPTH]:  # else the wall is nearer
+        # Ribs are upright over their feet: what touches a web there says nothing of it a hand's breadth higher.
+        first, seen = off, max(1.0 - max(beside, 0.0) ** 2, 0.0)
+        for _ in range(MOST_FEET):
+            if abs(foot - base) < SETTLED:
+                break
+            left = parts[k, DEPTH] - base
+            base = min(foot, parts[k, DEPTH] - left * LEAST_LEFT)
+            base = max(base, (1.0 - 2.0 * BESIDE) * parts[k, DEPTH])
+            off, foot, nu, na, nz = _tangent(base, along, across, z, parts, k)
+        off = first + seen * (off - first) if off * first > 0.0 else first
+    return off, nu * tx + na * ty, nu * ty - na * tx, nz
+
+
+@inner
+def _tangent(
+    base: float, along: float, across: float, z: float, parts: Array, k: int
+) -> tuple[float, float, float, float, float]:
+    """Signed distance of a place to the plane that touches a web in its section at `base`, and its normal.
+
+    Between them how far along the foot on that plane is: a better base. The normal is (across, along, up).
+    """
+    d, nu, nz = _section(base, across, z, parts, k)
+    na = _lean(min(base, (1.0 - 2.0 * STEP) * parts[k, DEPTH]), across - d * nu, z - d * nz, nu, nz, parts, k)
     size = sqrt(1.0 + na * na)
-    return d / size, (nu * tx + na * ty) / size, (nu * ty - na * tx) / size, nz / size
+    off = (d + (along - base) * na) / size
+    return off, along - off * na / size, nu / size, na / size, nz / size
 
 
 @inner

@@ -40,6 +40,8 @@ def named(vault: Vault) -> str:
     return "-".join([vault.id, *vault.kinds.values(), *(f"{value:g}" for value in vault.values().values())])
 
 
+WIDTHS = ("radius", "span_x", "span_y")  # [m]
+
 EACH = pytest.mark.parametrize("vault", VAULTS, ids=named)
 
 
@@ -78,6 +80,19 @@ def test_the_distance_near_by_never_says_much_more_than_there_is(vault: Vault) -
     nearest = cKDTree(points).query(other)[0]
     assert (np.abs(vault.distance(other)) <= 1.2 * nearest + 0.01).mean() > 0.97
     assert vault.distance(np.array([[0.1, 0.05, 0.5]]))[0] < -0.1  # no wall stands under a rib
+
+
+@EACH
+def test_beside_their_wall_webs_are_as_far_as_they_are(vault: Vault) -> None:
+    points = sample(vault, 4000, np.random.default_rng(4))
+    beside = vault.plan.distance(points.xyz[:, :2]) > -0.05 * vault.plan.width
+    xyz, normals = points.xyz[beside], points.normals[beside]
+    for off in (0.004, 0.02):  # into the stone, also behind the wall
+        assert np.median(np.abs(vault.distance(xyz - off * normals) - off)) < 0.03 * off
+    # Nor does it leap where a wall is: a web that is a little wider is nearer by no more than that.
+    wider = vault.replaced({name: size * 1.0003 for name, size in vault.values().items() if name in WIDTHS})
+    moved = np.abs(wider.distance(xyz - 0.01 * normals) - vault.distance(xyz - 0.01 * normals))
+    assert np.quantile(moved, 0.99) < 0.002
 
 
 @EACH

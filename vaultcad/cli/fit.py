@@ -64,7 +64,7 @@ def fit(
     ] = False,
     route: Annotated[
         Literal["family", "nurbs"],
-        typer.Option(help="nurbs: free surfaces beside the family's, in nurbs.step, .ifc, .glb, .obj and .json."),
+        typer.Option(help="nurbs: free surfaces beside the family's, in nurbs.step, .ifc, .glb, .obj, .dxf and .json."),
     ] = "family",
     net: Annotated[float, number_info("net", NET)] = 0.25,
     drawings: Annotated[

@@ -29,7 +29,7 @@ def nurbs(
     net: Net = 0.25,
     force: Force = False,
 ) -> None:
-    """Model vaults by free surfaces: nurbs.step, nurbs.ifc, nurbs.glb, nurbs.obj, nurbs.json.
+    """Model vaults by free surfaces: nurbs.step, nurbs.ifc, nurbs.glb, nurbs.obj, nurbs.dxf, nurbs.json.
 
     B-spline surfaces run through the points of each component, without the shape of a family, and meet where they
     cross. The model of the fit gives what is a component's and the directions of its net.

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from segmentation.io.whole import writing
 from vaultcad.export.folder import check_target, replacing_folder
+from vaultcad.export.nurbs_dxf import write_nurbs_dxf
 from vaultcad.export.nurbs_ifc import write_nurbs_ifc
 from vaultcad.export.nurbs_json import write_nurbs_json
 from vaultcad.export.nurbs_mesh import write_nurbs_glb, write_nurbs_obj
@@ -18,6 +19,7 @@ NURBS_WRITERS: dict[str, Callable[[FreeRoute, Path], None]] = {
     "nurbs.ifc": write_nurbs_ifc,
     "nurbs.glb": write_nurbs_glb,
     "nurbs.obj": write_nurbs_obj,
+    "nurbs.dxf": write_nurbs_dxf,
     "nurbs.json": write_nurbs_json,
 }
 

@@ -84,7 +84,8 @@ def test_others_are_not_taken_for_it(vault: Vault) -> None:
 
 @pytest.mark.parametrize("vault", UMBRELLAS, ids=lambda vault: str(vault.sides))
 def test_ribs_tell_the_polygon_from_whose_corners_they_rise(vault: Umbrella) -> None:
-    (ground,) = survey(settled(vault)[0]).grounds[GORED]
+    # Of 30,000 points two samples in ten of six webs are just over 30 cm off.
+    (ground,) = survey(settled(vault, 60_000)[0]).grounds[GORED]
     assert ground.footprint.sides == vault.sides
     assert ground.footprint.radius == pytest.approx(vault.radius, abs=0.3)  # where a fit begins
     assert np.remainder(ground.yaw + 0.2, 2 * np.pi / vault.sides) == pytest.approx(0.2, abs=0.05)

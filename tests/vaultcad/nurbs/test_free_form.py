@@ -4,6 +4,7 @@ import json
 from functools import cache
 from pathlib import Path
 
+import ezdxf
 import numpy as np
 import pytest
 import trimesh
@@ -153,6 +154,24 @@ def test_obj_has_quads_with_uv_and_glb_has_texcoords(files):
     for part in scene.geometry.values():
         assert part.visual.uv.min() >= 0
         assert part.visual.uv.max() <= 1
+
+
+def test_dxf_has_the_network_of_curves_on_the_surfaces(files):
+    route, out = files
+    document = ezdxf.readfile(out / "nurbs.dxf")
+    assert not document.audit().has_errors
+    (vault,) = route.vaults
+    kinds = {f"{name}-{kind}" for name in Groin().components for kind in ("ROWS", "COLUMNS")}
+    assert {layer.dxf.name for layer in document.layers} >= {*kinds, "EDGES"}
+    curves = {layer: document.modelspace().query(f'SPLINE[layer=="{layer}"]') for layer in (*kinds, "EDGES")}
+    assert len(curves["EDGES"]) == len(vault.form.outline.edges)
+    frame = vault.fitted.pose.frame()
+    for region, surface in zip(vault.form.outline.regions, vault.form.surfaces, strict=True):
+        for kind in ("ROWS", "COLUMNS"):
+            points = np.array(
+                [p for curve in curves[f"{region.name}-{kind}"] for p in curve.construction_tool().approximate(60)]
+            )
+            assert np.abs(surface.off(points @ frame[:, :3].T + frame[:, 3])[0]).max() < 0.0002
 
 
 def test_ifc_has_a_covering_a_component(files):
