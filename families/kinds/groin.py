@@ -16,7 +16,7 @@ from families.declaration.once import Once
 from families.declaration.parameters import Range, derived
 from families.declaration.pieces import BarrelPart, Piece
 from families.declaration.plan import Axis, Plan
-from families.declaration.profiles import Curve, Elliptical, Profile, Semicircular
+from families.declaration.profiles import Curve, Elliptical, Profile, Semicircular, Stilted
 from families.declaration.ribs import CORNERS, SIDES, RibLine, diagonals, ridges, wall_arches
 from families.declaration.symmetry import Symmetry
 from families.declaration.usual_arches import COARSE_KINDS, COARSE_RISES, drawn_arch, either
@@ -24,6 +24,7 @@ from families.declaration.vault import Vault
 
 EQUALLY_HIGH = 0.8  # the lower barrel rises to this share of the higher, else it is a row of lunettes
 SAME_HEIGHT = 0.005  # [m] within which barrels are so equally high that groins are straight but for the crown
+BEGUN_KINDS: tuple[type[Profile], ...] = (*COARSE_KINDS, Stilted)  # of arches in first guesses: steep ones are stilted
 BEGUN = 0.02  # where a crown rise or an offset is looked for first
 
 
@@ -220,11 +221,11 @@ class Groin(Vault):
 
     @classmethod
     def first_guesses(cls, over: Footprint) -> Iterator[Self]:
-        """Arches of one kind in both directions, equally high."""
+        """Arches equally high, of one kind in both directions or of two."""
         span_x, span_y = over.span_x, over.span_y
-        for kind, ratio in product(COARSE_KINDS, COARSE_RISES):
+        for kind_x, kind_y, ratio in product(BEGUN_KINDS, BEGUN_KINDS, COARSE_RISES):
             rise = ratio * (span_x + span_y) / 2
-            profiles = kind.over(rise / span_x), kind.over(rise / span_y)
+            profiles = kind_x.over(rise / span_x), kind_y.over(rise / span_y)
             if profiles[0] is not None and profiles[1] is not None:
                 yield cls(span_x, span_y, profiles[0], profiles[1])
 

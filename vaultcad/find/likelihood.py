@@ -37,6 +37,7 @@ FIT_STEPS, GAIN = 12, 1e-4  # of their fits at most, and the share of the cost t
 NARROWEST = 0.02  # m, scale of their loss
 EDGE, EDGE_SHARE = 0.1, 0.08  # m, and share of the shorter side: stone so near to an edge is rounded, plastered, hidden
 LOST, LOST_POINTS = 0.1, 2  # share of a component's stone, and points, that a fit may lose where no block speaks of it
+SMALL_SAYS = 4  # residuals that say something new, of a component of which blocks say nothing
 FAR, FEW_FAR = 0.06, 0.02  # m off a fit that is far, and the share of the blocks that may be
 RATIO_STEP = 0.015  # of a ratio, to either side, over which distances are compared
 DOUBT = 1.4  # log likelihoods are divided by this, as no settlement is quite such a field
@@ -63,7 +64,7 @@ class Field:
 
     scale: of the loss of fits [m]. usable: (m,) blocks. values, vectors: of the covariances of the field, for each of
     `LENGTHS`. unheard: (n,) component that a point is of, if blocks say nothing of most of that, else 0. tolerance: of
-    the band in which a component's points lie, to either side [m].
+    the band in which a component's points lie, to either side [m]. scatter: that the fit left [m].
     """
 
     evidence: Evidence
@@ -74,6 +75,7 @@ class Field:
     vectors: tuple[Array, ...]
     unheard: NDArray[np.int64]
     tolerance: float
+    scatter: float
 
     @classmethod
     def of(cls, refined: Refined, rng: np.random.Generator) -> Self | None:
@@ -97,7 +99,7 @@ class Field:
         values = tuple(np.maximum(pair[0], 0.0) for pair in pairs)
         vectors = tuple(pair[1] for pair in pairs)
         unheard = _mostly(components_at(placed, evidence.points, refined.tolerance), edge)
-        return cls(evidence, scale, blocks, usable, values, vectors, unheard, refined.tolerance)
+        return cls(evidence, scale, blocks, usable, values, vectors, unheard, refined.tolerance, refined.scatter)
 
     def near(self, solution: Solution) -> bool:
         """Whether a fit comes near all stone: what is far from it, no small change of its parameters would reach.
@@ -120,7 +122,19 @@ class Field:
         for k, name in enumerate(solution.names[len(POSE) :], len(POSE)):
             ends = np.array([ranges[name].low, ranges[name].high]) - values[name]
             within += _log_within(ends, mean[k], variance[k]) - _log_within(ends, before[k], 1 / precision[k])
-        return _log_sum(told.likelihood) / DOUBT + within
+        return (_log_sum(told.likelihood) + self._of_small_components(solution)) / DOUBT + within
+
+    def _of_small_components(self, solution: Solution) -> float:
+        """Logarithm of the likelihood of the stone of components of which blocks say nothing, up to a constant.
+
+        What it is off the model by is as good a guess of its spread as any, and at least what the whole leaves.
+        """
+        (mine,) = np.nonzero(self.unheard)
+        if not len(mine):
+            return 0.0
+        off = np.minimum(np.abs(solution.residuals[mine]), self.tolerance)
+        said = np.minimum(np.bincount(self.unheard[mine])[1:], SMALL_SAYS).sum()
+        return float(-0.5 * said * np.log(np.mean(off**2) + self.scatter**2))
 
     def sizes(self, solution: Solution, told: Marginal) -> dict[str, tuple[float, float]]:
         """Mean and standard deviation of each size and of the pose, by name, before the settlement [m, rad, 1]."""

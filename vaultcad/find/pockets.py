@@ -9,6 +9,8 @@ from vaultcad.fit.solve import Placed
 from vaultcad.survey.parting import LEVEL_NORMAL
 from vaultcad.survey.thinned_scan import STEEP, Site, inside, turned
 
+Array = NDArray[np.float64]
+
 DEEP = 0.1  # m behind the model
 SMALLEST = 0.1  # m² in plan; settlement, lost plaster and stray points leave 0.05 m² together at most
 CELL = 0.1, 1.5  # m and spacings; edge of the plan's cells, at least
@@ -17,8 +19,10 @@ BENT = 0.5  # share of a place's stone that is not level, as heads of niches are
 OF_A_DRUM = 0.2  # |nz| of the model below which it is a drum, behind which there are windows
 
 
-def pockets_behind(placed: Placed, site: Site) -> int:
-    """How many compact places there are over a vault's plan in which bent stone is well behind its surface.
+def pockets_behind(placed: Placed, site: Site) -> list[Array]:
+    """The compact places over a vault's plan in which bent stone is well behind its surface: points (n, 3) of each.
+
+    The points are in the vault's own frame [m], the largest place first.
 
     Where the vault is seen, too, that is its own back, or a storey above.
     Five uneven lunettes were five such places of 0.15 to 0.5 m²; a door's head in the haunch of a barrel was one.
@@ -32,20 +36,21 @@ def pockets_behind(placed: Placed, site: Site) -> int:
     surface = placed.vault.evaluate(local)
     behind = within & (upwards > STEEP) & (surface.distance > DEEP) & (np.abs(surface.normal[:, 2]) > OF_A_DRUM)
     if not behind.any():
-        return 0
+        return []
     cell = max(CELL[0], CELL[1] * site.spacing)
     at: NDArray[np.int64] = np.floor((local[:, :2] - local[:, :2].min(axis=0)) / cell).astype(np.int64)
     shown = np.zeros(at.max(axis=0) + 1, np.bool_)
     shown[tuple(at[np.abs(surface.distance) < DEEP].T)] = True
     behind &= ~shown[tuple(at.T)]
-    at, bent = at[behind], upwards[behind] < LEVEL_NORMAL
+    at, bent, local = at[behind], upwards[behind] < LEVEL_NORMAL, local[behind]
     held = np.zeros_like(shown)
     held[tuple(at.T)] = True
     number, count = label(held, np.ones((3, 3)))
     area = np.bincount(number[held], minlength=count + 1) * cell**2
     own = number[tuple(at.T)]
     share = np.bincount(own, bent, count + 1) / np.maximum(np.bincount(own, minlength=count + 1), 1)
-    return int(((area >= SMALLEST) & (share > BENT)).sum())
+    kept = np.flatnonzero((area >= SMALLEST) & (share > BENT))
+    return [local[own == k] for k in kept[np.argsort(-area[kept], kind="stable")]]
 
 
 def _within(site: Site) -> NDArray[np.bool_]:

@@ -206,7 +206,8 @@ def _other_arches(best: Hypothesis, site: Site, some: Evidence, demands: Demands
     if len(vault.profiles) < 2:
         return
     for start in starts(type(vault), site, demands):
-        if all(getattr(start.vault, name) == getattr(vault, name) for name in vault.variants):
+        alike = len({type(start.vault.profiles[name]) for name in vault.alike}) < 2
+        if alike and all(getattr(start.vault, name) == getattr(vault, name) for name in vault.variants):
             begun.setdefault(kinds_of(start.vault), []).append(start)
     for grid in begun.values():
         start = min(grid, key=lambda placed: some.cost(placed, COARSE))

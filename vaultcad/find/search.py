@@ -12,13 +12,16 @@ from numpy.typing import NDArray
 
 from families import Vault
 from families.kinds.barrel import Barrel
+from families.kinds.lunette import Lunette
 from vaultcad.errors import NoVaultError, OtherThingError
 from vaultcad.find.found import Found, likeliest_of
 from vaultcad.find.likeness import agree, choices_like, starts_like
+from vaultcad.find.lunettes import lunettes_at
 from vaultcad.find.misfit import Misfit, refuse_strangers
 from vaultcad.find.no_vault import PartlyError, check, check_bent
 from vaultcad.find.pockets import pockets_behind
-from vaultcad.find.recognise import recognise
+from vaultcad.find.reach import reach_of
+from vaultcad.find.recognise import Start, recognise
 from vaultcad.find.refine import refine
 from vaultcad.find.ribs import SeenRib, ribs_under
 from vaultcad.fit.freedom import NONE, Demands
@@ -67,7 +70,7 @@ def under_one_ceiling(
     if not found:
         raise search.refusals[0]
     if not single and like is None:
-        found = [*found, *search.arms(found, search.ceiling.whole)]
+        found = search.to_their_ends([*found, *search.arms(found, search.ceiling.whole)])
     if like and not agree(found, like):
         raise NoVaultError(f"no vault found: {like.placed.vault.called} hangs over what looks alike, but not here")
     return tuple(likeliest_of(one, demands, rng, choices_like(like, one) if like else ()) for one in found)
@@ -142,6 +145,20 @@ class _Search:
                     arms.append(arm)
         return arms
 
+    def to_their_ends(self, found: Sequence[Found]) -> list[Found]:
+        """The same vaults, those whose ends were cut by guess fitted again up to where their stone ends."""
+        out = list(found)
+        for k, one in enumerate(out):
+            others = [(other.placed, other.tolerance) for other in out if other is not one]
+            part = reach_of(one.placed, one.tolerance, others, self.ceiling) if one.site.guessed else None
+            if part is None:
+                continue
+            with suppress(NoVaultError):
+                again = self._fit(part, part=True)
+                if type(again.placed.vault) is type(one.placed.vault):
+                    out[k] = again
+        return out
+
     def _fit(self, region: Region, part: bool) -> Found:
         """One vault over all of a region, which may be a part of the scan only.
 
@@ -207,8 +224,14 @@ class _Search:
             site = _without(site, ribs)
             hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands)
             refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
+        pockets = pockets_behind(refined.placed, site)
+        if (row := lunettes_at(refined.placed, pockets)) and Lunette in self.families:
+            known = (*(Start((h.solution.placed,), h.kept) for h in hypotheses), row)
+            hypotheses = recognise(site, self.rng, families=self.families, demands=self.demands, known=known)
+            refined = refine(hypotheses[0], site, self.rng, demands=self.demands)
+            pockets = pockets_behind(refined.placed, site)
         misfit = Misfit.of(refined).with_stone_beside(refined.placed, site)
-        misfit = misfit.with_pockets(pockets_behind(refined.placed, site)).with_ridges(refined.placed, xyz)
+        misfit = misfit.with_pockets(len(pockets)).with_ridges(refined.placed, xyz)
         found = Found(site, hypotheses, refined, refined.tolerance, misfit=misfit)
         check(refined, site, found.tolerance)
         refuse_strangers(found.misfit, found.placed.vault)

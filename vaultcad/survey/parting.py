@@ -16,7 +16,7 @@ from vaultcad.survey.backs import below_backs
 from vaultcad.survey.bays import check_grid
 from vaultcad.survey.dome_rims import is_dome
 from vaultcad.survey.part_kernel import own
-from vaultcad.survey.patches import Patches, hung_and_other
+from vaultcad.survey.patches import SLENDER, Patches, hung_and_other
 from vaultcad.survey.plan_grid import Laid, PlanGrid
 from vaultcad.survey.soffits import Soffit, soffits_of
 from vaultcad.survey.thinned_scan import UPRIGHT, Thin
@@ -175,6 +175,12 @@ class _Plan:
         found: Mask = (share > LINTEL) & (self.patches.areas < LEAST)
         return found
 
+    @cached_property
+    def _broad(self) -> Mask:
+        """(k,) of which cells the patch is no narrow strip, as cornices are."""
+        found: Mask = (self.patches.widths >= SLENDER)[self.patch]
+        return found
+
     def _touching(self, soffits: tuple[Soffit, ...], reach: float) -> tuple[Ints, Ints]:
         """Pairs of cells (n,), (n,) of two patches, no farther than that in plan [m], no soffit between or over them.
 
@@ -234,8 +240,8 @@ class _Plan:
         if not large or bottom <= float(under.max()) or float(below.mean()) >= OVER:
             return False
         level = np.abs(self._normals(group == lower)) > LEVEL_NORMAL
-        touching = self.height[contact[group[contact] == lower]]
-        if level.mean() >= LINTEL or np.median(touching) < np.median(under):
+        touching = contact[(group[contact] == lower) & self._broad[contact]]  # a cornice goes all round below
+        if level.mean() >= LINTEL or not len(touching) or np.median(self.height[touching]) < np.median(under):
             return False
         is_drum = np.abs(self._normals(group == upper)).mean() < DRUM_STEEP
         cells = np.column_stack(np.divmod(mine, self.grid.shape[1]))

@@ -25,6 +25,7 @@ SMALLEST = 0.05  # m², of a patch
 CELL = 0.15  # m; of the columns in which patches hang over each other
 CLEAR = 1.3  # m; a ceiling has a room below it
 SLENDER = 0.3  # m, width in plan of what ends no room above it: tie rods, cables, beams
+DOORSTEP = np.array([2.0, 2.0, 0.1])  # m in plan and in height, within which the floor of the next room goes on
 PLANE, LEVEL = 0.98, 0.9  # mean of the normals of a floor: their length at least, and its upward part
 
 
@@ -142,11 +143,25 @@ def _has_room_below(patches: Patches) -> NDArray[np.bool_]:
     facing = patches.normals * np.sign(patches.normals[:, 2:])
     sums = np.column_stack([np.bincount(patches.patch, axis, count) for axis in facing.T])
     mean = sums / np.bincount(patches.patch, minlength=count)[:, None]
-    floor = (
-        (lowest > columns / 2) & (under > columns / 4) & (np.linalg.norm(mean, axis=1) > PLANE) & (mean[:, 2] > LEVEL)
-    )
+    level = (lowest > columns / 2) & (np.linalg.norm(mean, axis=1) > PLANE) & (mean[:, 2] > LEVEL)
+    floor = level & (under > columns / 4)
+    floor |= level & _is_level_with(patches, floor)
     room: NDArray[np.bool_] = (low < columns / 2) & ~floor
     return room
+
+
+def _is_level_with(patches: Patches, floor: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which patches lie as high as floors near by, as what is seen of a floor through a door does."""
+    from scipy.spatial import cKDTree
+
+    mine = floor[patches.patch]
+    if not mine.any():
+        return np.zeros(patches.count, np.bool_)
+    size = np.bincount(patches.patch)
+    middle = np.column_stack([np.bincount(patches.patch, axis) / size for axis in patches.points.T])
+    reach, _ = cKDTree(patches.points[mine] / DOORSTEP).query(middle / DOORSTEP)
+    found: NDArray[np.bool_] = np.asarray(reach) < 1
+    return found
 
 
 def _is_close_above(cell: Ints, height: Array, broad: NDArray[np.bool_]) -> NDArray[np.bool_]:
