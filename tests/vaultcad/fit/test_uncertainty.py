@@ -224,10 +224,11 @@ def test_what_a_row_shares_is_no_surer_than_the_arches_it_was_told_by() -> None:
     rng, vault = np.random.default_rng(5), VAULTS[0]
     solution, points = fit(vault, room(vault, 1500, rng))
     sight, spread = look(vault, points[:0], 0.2, rng), covariance(solution, points)
+    held = replace(spread, matrix=np.zeros_like(spread.matrix))
     rise = solution.placed.vault.derived_values()["rise_y"]
     choices = [Choice(solution.placed, (), 0.7, {"rise_y": (rise, 0.004)})]
     choices += [Choice(solution.placed, (), 0.3, {"rise_y": (rise - 0.2, 0.1)})]
-    one = estimates(solution, points, sight, spread, choices, {"rise_y": (rise, 0.004)})["rise_y"]
+    one = estimates(solution, points, sight, held, choices, {"rise_y": (rise, 0.004)})["rise_y"]
     assert one.std == pytest.approx(np.sqrt(0.7 * 0.004**2 + 0.3 * (0.2**2 + 0.1**2)))
     assert "row" in one.flags
     assert "unseen" not in one.flags
