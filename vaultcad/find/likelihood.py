@@ -216,9 +216,12 @@ def _log_within(ends: Array, mean: float, variance: float) -> float:
     return log(max(float(below[1] - below[0]), NEVER))
 
 
-def near_edges(placed: Placed, points: Array) -> NDArray[np.bool_]:
-    """Which points (n, 3) [m] lie so near to an edge, of two components or of a wall, that they may be of either."""
-    reach = min(EDGE, EDGE_SHARE * placed.vault.plan.width)
+def near_edges(placed: Placed, points: Array, reach: float = EDGE) -> NDArray[np.bool_]:
+    """Which points (n, 3) lie so near to an edge, of two components or of a wall, that they may be of either.
+
+    reach: how near [m], but at most a share of the plan's shorter side.
+    """
+    reach = min(reach, EDGE_SHARE * placed.vault.plan.width)
     frame = placed.pose.frame()
     local = points @ frame[:, :3].T + frame[:, 3]
     surface = placed.vault.evaluate(local, walls=True)
