@@ -23,6 +23,7 @@ Known = tuple[Array, Array, Array]
 """Derivatives (m, u) of the deviations of blocks by unknowns, precisions (u,) and means (u,) of these beforehand."""
 
 FARTHEST = 0.06  # m off the model; a block farther off is no stone of this vault
+ROUNDED = 0.1  # m from an edge, where stone is rounded and plastered
 BLOCKS = 500  # of stone at the most
 LAYERS = 2.0  # times as long as high are blocks of walls: what moves them is told by how it fades downwards
 OUTLYING, LEAST = 5.0, 0.0008  # robust scatters of what the shapes leave of blocks, beyond which one is none; least [m]
@@ -55,7 +56,7 @@ class Stone:
         placed, evidence = refined.placed, refined.evidence
         residuals = placed.distance(evidence.points)
         weights = evidence.weights / (1 + (residuals / WIDEST) ** 2) ** 2
-        weights = weights * ~near_edges(placed, evidence.points)
+        weights = weights * ~near_edges(placed, evidence.points, ROUNDED)
         blocks = Partition.of(placed, evidence.points, weights, BLOCKS, LAYERS)
         blocks = without_strays(blocks, residuals)
         mean = blocks.means(residuals[:, None])[:, 0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import nan, sqrt
@@ -30,7 +30,6 @@ UNDER, OVER = 0.5, 1.0  # m under its ends and over its crown where the vaults b
 BIN = 0.1  # m along the span, in which a soffit's height is taken
 BESIDE = 0.6  # m beyond the edges of a soffit where the ceilings beside it are looked for
 HIGHER, ALONG = 0.04, 0.3  # m that a ceiling is above the soffit beside it; share of its length along which it must be
-LIKE, LEVEL = 0.2, 0.1  # share of the sizes of two arches of one arcade, and m of height, by which they may differ
 SOFFIT = 0.03  # m; points so near a soffit's curve are its own
 EDGE = 0.01, 0.15  # share of its points beyond its edge; m that the edge is beyond its patch at most
 STRIP, ENOUGH, FEWEST = 0.25, 30, 3  # m along a soffit in which its edges are measured, points there, and how often
@@ -95,9 +94,7 @@ def soffits_of(patches: Patches, xyz: NDArray[np.floating]) -> tuple[tuple[Soffi
     """The soffits between vaults, and which patches they are (count,); `xyz` (n, 3) [m] tell their edges."""
     strips = _joined(patches, {(k,): strip for k in range(patches.count) if (strip := _strip(patches, (k,)))})
     rest = ~np.isin(patches.patch, [k for parts in strips for k in parts])
-    higher = {parts: _is_higher(strip, patches.points[rest]) for parts, strip in strips.items()}
-    sure = [strip for parts, strip in strips.items() if all(higher[parts])]
-    found = {parts: strip for parts, strip in strips.items() if _is_between(strip, higher[parts], sure)}
+    found = {parts: strip for parts, strip in strips.items() if _is_between(strip, patches.points[rest])}
     found = {parts: strip for parts, strip in found.items() if not any(_is_under(strip, o) for o in found.values())}
     chosen = np.zeros(patches.count, np.bool_)
     chosen[[k for parts in found for k in parts]] = True
@@ -156,23 +153,10 @@ def _strip(patches: Patches, parts: tuple[int, ...]) -> Soffit | None:
     return Soffit(place, yaw, length, width, curve)
 
 
-def _is_between(strip: Soffit, higher: tuple[bool | None, ...], sure: Sequence[Soffit]) -> bool:
-    """Whether ceilings are higher than a strip on both sides, or on the one that is seen, as beside others like it."""
-    return all(higher) or (True in higher and False not in higher and any(_is_like(strip, other) for other in sure))
+def _is_between(soffit: Soffit, ceiling: Array) -> bool:
+    """Whether ceilings (n, 3) [m] go on on both sides of a soffit, higher than it, along much of it.
 
-
-def _is_like(one: Soffit, other: Soffit) -> bool:
-    """Whether two soffits are those of one arcade by their sizes and the height of their crowns."""
-    sizes = np.array([one.length, one.width]), np.array([other.length, other.width])
-    crowns = one.curve[:, 1].max(), other.curve[:, 1].max()
-    return bool((np.abs(sizes[0] - sizes[1]) < LIKE * sizes[1]).all() and abs(crowns[0] - crowns[1]) < LEVEL)
-
-
-def _is_higher(soffit: Soffit, ceiling: Array) -> tuple[bool | None, ...]:
-    """Whether ceilings (n, 3) [m] go on, higher than a soffit, along much of it: on its south, and on its north.
-
-    None where nothing lower is seen, nor much that is higher. What falls away from it, as over stairs, is taken where
-    it meets the soffit.
+    What falls away from it, as over stairs, is taken where it meets the soffit.
     """
     along, across = soffit.local(ceiling)
     near = (np.abs(along) < soffit.length / 2) & (np.abs(across) < soffit.width / 2 + BESIDE)
@@ -180,16 +164,13 @@ def _is_higher(soffit: Soffit, ceiling: Array) -> tuple[bool | None, ...]:
     along, across, height = along[near], across[near], ceiling[near, 2]
     higher = height - soffit.height(along)
     bins = np.floor(along / BIN).astype(np.int64)
-
-    def side(sign: int) -> bool | None:
-        on = sign * across > 0
-        met = _met(sign * across[on] - soffit.width / 2, higher[on])
-        tops = [np.median(met[bins[on] == k]) > HIGHER for k in np.unique(bins[on])]
-        if sum(tops) * BIN < ALONG * soffit.length:
-            return None if all(tops) else False
-        return True
-
-    return side(-1), side(1)
+    for side in (-1, 1):
+        on = side * across > 0
+        met = _met(side * across[on] - soffit.width / 2, higher[on])
+        tops = {k: np.median(met[bins[on] == k]) for k in np.unique(bins[on])}
+        if sum(top > HIGHER for top in tops.values()) * BIN < ALONG * soffit.length:
+            return False
+    return True
 
 
 def _is_under(strip: Soffit, other: Soffit) -> bool:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import ifcopenshell
-import numpy as np
 import pytest
 import trimesh
 

@@ -240,22 +240,6 @@ def test_a_tie_rod_under_an_arch_neither_hides_its_soffit_nor_joins_the_vaults_b
     assert len(tied.ceilings) == len(parting.ceilings)
 
 
-def test_an_arch_like_others_is_found_where_the_ceiling_on_one_side_is_hidden() -> None:
-    virtual, thin, parting = surveyed("ambulatory")
-    ring = {tuple(place) for place in virtual.xyz[virtual.vault == 2].astype(np.float32).astype(np.float64).tolist()}
-    walk = np.array([tuple(place) in ring for place in thin.points.tolist()])
-
-    def left(hidden: list[Soffit]) -> int:
-        """How many soffits are found where nothing of the walk is seen beside some."""
-        held = np.any([soffit.holds(thin.points, 1.0, 0.1) for soffit in hidden], axis=0)
-        seen = thin.only(~(walk & held))
-        return len(parted(seen, virtual.xyz.astype(np.float32)).soffits)
-
-    outer = max(parting.soffits, key=lambda soffit: float(np.abs(soffit.place - virtual.origin[:2]).max()))
-    assert len(parting.soffits) == left([outer]) == 2
-    assert left(list(parting.soffits)) == 0  # as windows
-
-
 def test_arches_of_two_storeys_are_all_found() -> None:
     virtual, _, parting = surveyed("two storeys")
     told = sorted(arch["place"][2] for arch in virtual.case["arches"])
