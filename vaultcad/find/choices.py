@@ -17,7 +17,7 @@ from math import exp, log
 import numpy as np
 from numpy.typing import NDArray
 
-from families import PROFILES, Segmental
+from families import PROFILES
 from families.declaration.constraints import Constraint
 from families.declaration.profiles import as_kind
 from vaultcad.find.identity import is_its_family
@@ -25,7 +25,7 @@ from vaultcad.find.likelihood import FIT_STEPS, GAIN, Field, Marginal
 from vaultcad.find.practice import log_prior
 from vaultcad.find.recognise import Kinds, kinds_of, turned_over
 from vaultcad.find.refine import Refined, settled
-from vaultcad.fit.freedom import RECTANGLE, Demands, Freedom
+from vaultcad.fit.freedom import RECTANGLE, Demands
 from vaultcad.fit.solve import POSE, Placed, Solution
 from vaultcad.model import Rival
 from vaultcad.uncertain import Covariance
@@ -36,7 +36,6 @@ CLEARLY = 3.0  # times as likely: then constraints are others than the fit's
 SLIGHT = 1e-3  # chance below which a choice is forgotten
 UNLIKELY = 4.0  # by which a score is below the best where what is next to it is not tried
 HOLDS = 0.05  # chance, where it looks alike, of the likeliest arches, from which on no others need be tried
-FLATTER = 0.06  # of a segment's rise / span below that of a semicircle, where it is begun once more
 MOST_CHOICES = 8  # choices next to which others are tried
 
 
@@ -181,34 +180,12 @@ class _ChoiceSearch:
             return
         begun, moved = replace(start, vault=self.demands.begun(vault)), self.moved
         free = self.demands.freedom(begun.vault, kept)
-        ways = [
-            moved.evidence.solve(way, free, (moved.scale,), most=FIT_STEPS, gain=GAIN)
-            for way in (begun, flatter(begun, free))
-            if way is not None
-        ]
-        solution = min(ways, key=lambda way: moved.evidence.cost(way.placed, moved.scale))
+        solution = moved.evidence.solve(begun, free, (moved.scale,), most=FIT_STEPS, gain=GAIN)
         fitted = solution.placed.vault
         if is_its_family(fitted) and self.demands.met(fitted) and moved.near(solution):
             told = moved.marginal(solution)
             score = moved.log_likelihood(solution, told) + log_prior(fitted, kept)
             self.fitted[key] = _Fitted(solution, kept, told, score)
-
-
-def flatter(placed: Placed, free: Freedom) -> Placed | None:
-    """The same with flatter segments under the same crown, where they are all but semicircles; None where none are.
-
-    The curve of a semicircle changes only by second order with its rise, so that no fit finds its way from there.
-    """
-    vault = placed.vault
-    segments = {name for name, arch in vault.profiles.items() if isinstance(arch, Segmental)}
-    highest = {p.name: p.range.high for p in vault.parameters() if p.path[0] in segments and p.name in free.names}
-    values = vault.values()
-    ratios = {name: high - FLATTER for name, high in highest.items() if values[name] > high - FLATTER / 2}
-    if not ratios:
-        return None
-    lower = free.settled(vault, ratios)
-    fall = vault.derived_values()["rise"] - lower.derived_values()["rise"]
-    return Placed(lower, replace(placed.pose, z=free.pose.get("z", placed.pose.z + fall)))
 
 
 def likeliest(refined: Refined, choices: Sequence[Choice], demands: Demands) -> Refined:

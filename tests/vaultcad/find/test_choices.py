@@ -24,7 +24,7 @@ from families import (
     Vault,
 )
 from families.declaration.constraints import Constraint
-from vaultcad.find.choices import Choice, deviation, flatter, kinds_of, likeliest, odds, rivals, weigh, widened
+from vaultcad.find.choices import Choice, deviation, kinds_of, likeliest, odds, rivals, weigh, widened
 from vaultcad.find.likelihood import near_edges
 from vaultcad.find.refine import Refined, settled
 from vaultcad.fit.evidence import Evidence
@@ -127,29 +127,6 @@ def test_vaults_without_arches_have_choices_of_constraints_alone(vault: Vault) -
     assert sum(choice.chance for choice in choices) == pytest.approx(1)
     assert {choice.kinds for choice in choices} == {()}
     assert len(choices) == 1 or vault.constraints
-
-
-@pytest.mark.parametrize(
-    "vault", [Barrel(5.0, 8.0, Segmental(0.5)), Groin(5.4, 4.6, Segmental(0.5), Segmental(0.42))], ids=name_of
-)
-def test_segments_that_are_all_but_semicircles_are_begun_flatter_under_the_same_crown(vault: Vault) -> None:
-    placed, free = Placed(vault, STANDS), NONE.freedom(vault)
-    lower = flatter(placed, free)
-    assert lower is not None
-    assert lower.pose.z + lower.vault.derived_values()["rise"] == pytest.approx(vault.derived_values()["rise"])
-    assert lower.pose.z > 0.1
-    assert flatter(lower, free) is None
-
-
-def test_a_segment_is_found_from_a_semicircle_that_springs_lower() -> None:
-    """Nothing of the first order leads from the one to the other."""
-    true = Barrel(5.0, 8.0, Segmental(0.45))
-    points = stone(true, 6000, np.random.default_rng(0))
-    low = settled(
-        Placed(Barrel(5.0, 8.0, Semicircular()), Pose(0, 0, -0.25, 0)), (), fitted(true, points).evidence, 0.01
-    )
-    (segment, *_) = [c for c in weigh(low, NONE, np.random.default_rng(0)) if c.kinds == (Segmental,)]
-    assert segment.placed.vault.derived_values()["rise"] == pytest.approx(2.25, abs=0.02)
 
 
 def test_stone_tells_arches_but_for_the_last_decimetre_before_an_edge() -> None:
