@@ -35,10 +35,7 @@ Array = NDArray[np.float64]
 CHOICE_POINTS = 3_000  # points that choices are fitted to
 FIT_STEPS, GAIN = 12, 1e-4  # of their fits at most, and the share of the cost that one must still gain
 NARROWEST = 0.02  # m, scale of their loss
-EDGE, EDGE_SHARE = (
-    0.15,
-    0.08,
-)  # m, and share of the shorter side: stone so near to an edge is rounded, plastered, hidden
+EDGE, EDGE_SHARE = 0.15, 0.08  # m, and share of the shorter side, near an edge where stone is rounded and hidden
 LOST, LOST_POINTS = 0.1, 2  # share of a component's stone, and points, that a fit may lose where no block speaks of it
 SMALL_SAYS = 4  # residuals that say something new, of a component of which blocks say nothing
 FAR, FEW_FAR = 0.06, 0.02  # m off a fit that is far, and the share of the blocks that may be
