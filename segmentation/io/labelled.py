@@ -27,7 +27,6 @@ def write_labelled(
     extra: Mapping[str, NDArray[Any]],
     *,
     progress: Progress | None = None,
-    parallel: bool = True,
 ) -> None:
     """The points of `scan` to the LAS or LAZ file `path`, with extra dimensions; it appears whole or not at all.
 
@@ -37,7 +36,6 @@ def write_labelled(
     Of any other format the points of the cloud and those it has set aside are written, in the file's order, rounded to
     0.0001 of its unit, with colour, intensity, classification and normals; what is dropped, being no point, is left
     out. Points set aside or dropped get 0 or NaN.
-    parallel: whether all cores pack a LAZ scan, or one, as beside other work.
     Raises ValueError if an extra has not the length of the cloud, ReadError if the scan is not the cloud's any more.
     """
     scan, path = Path(scan), Path(path)
@@ -46,7 +44,7 @@ def write_labelled(
             raise ValueError(f"{name} has the shape {values.shape}, expected is {(len(cloud),)}")
     with replacing(path) as beside:
         if READERS.get(scan.suffix.lower()) is read_las:
-            _stream(scan, beside, cloud, extra, progress, parallel=parallel)
+            _stream(scan, beside, cloud, extra, progress)
         else:
             write_las(beside, cloud.whole(), spread_all(cloud, extra))
             if progress is not None:
@@ -58,15 +56,7 @@ def spread_all(cloud: Cloud, extra: Mapping[str, NDArray[Any]]) -> dict[str, NDA
     return {name: cloud.spread(values, np.nan if values.dtype.kind == "f" else 0) for name, values in extra.items()}
 
 
-def _stream(
-    scan: Path,
-    path: Path,
-    cloud: Cloud,
-    extra: Mapping[str, NDArray[Any]],
-    progress: Progress | None,
-    *,
-    parallel: bool,
-) -> None:
+def _stream(scan: Path, path: Path, cloud: Cloud, extra: Mapping[str, NDArray[Any]], progress: Progress | None) -> None:
     import laspy
 
     with open_las(scan) as reader:
@@ -85,7 +75,7 @@ def _stream(
         same = [name for name in old.names if name not in extra]
         front = _common_front(old, header.point_format.dtype(), same)
         at, done = 0, 0
-        with open_writer(path, header, parallel=parallel) as writer:
+        with open_writer(path, header) as writer:
             for points in las_points(scan, reader):
                 labelled = laspy.ScaleAwarePointRecord.zeros(len(points), header=header)
                 # The packed fields, so that not a bit of them changes: side by side, if they are.

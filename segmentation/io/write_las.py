@@ -76,10 +76,9 @@ def add_extras(header: Any, extra: Mapping[str, NDArray[Any]]) -> None:
     header.add_extra_dims([laspy.ExtraBytesParams(name, values.dtype) for name, values in extra.items()])
 
 
-def open_writer(path: Path, header: Any, *, parallel: bool = True) -> Any:
-    """A laspy writer that compresses, on all cores or one, if the suffix is .laz."""
+def open_writer(path: Path, header: Any) -> Any:
+    """A laspy writer that compresses in parallel if the suffix is .laz."""
     import laspy
 
     compress = path.suffix.lower() == ".laz"
-    packer = laspy.LazBackend.LazrsParallel if parallel else laspy.LazBackend.Lazrs
-    return laspy.open(path, mode="w", header=header, do_compress=compress, laz_backend=packer)
+    return laspy.open(path, mode="w", header=header, do_compress=compress, laz_backend=laspy.LazBackend.LazrsParallel)

@@ -23,7 +23,6 @@ from vaultcad.cli.reading import Columns, KeepMarked, Origin, Unit, has_up, read
 from vaultcad.cli.standing import Standing, axis_read, fit_standing
 from vaultcad.cli.status import status
 
-MANY = 8  # vaults, whose solids take a core as long as it takes another to pack the scan
 STAGES = ("reading", "thinning", "finding", "labelling", "measuring", "writing")
 Thickness = Annotated[float, number_info("thickness", Bounds(0.01, 5, "m", "of masonry whose back is not in the scan"))]
 
@@ -123,7 +122,7 @@ def fit(
         written = write_all(
             replace(result.model if surfaces is None else surfaces.measured, drawn=as_built),
             out,
-            segments=lambda path: write_labelled(scan, path, cloud, extra, parallel=len(result.model.vaults) < MANY),
+            segments=lambda path: write_labelled(scan, path, cloud, extra),
             points=result.points,
             component=result.component,
             vault=result.vault,
