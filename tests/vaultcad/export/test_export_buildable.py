@@ -39,7 +39,10 @@ def test_a_vault_that_cannot_be_built_is_moved_by_less_than_a_millimetre(make_mo
     monkeypatch.setattr(module, "masonry", masonry)
     monkeypatch.setattr(module, "exact", lambda *_: ())
     monkeypatch.setattr(module, "cut", lambda *_: ())
-    moved = module.buildable(model).vaults[0].vault
+    drawn = module.buildable(model)
+    moved = drawn.vaults[0].vault
+    assert [note.code for note in drawn.notes if note not in model.notes] == ["nudged"]
+    assert "mm off the fitted groin vault" in drawn.notes[-1].text
     assert tried[0] == vault
     assert moved != vault
     assert moved.derived_values() == pytest.approx(vault.derived_values(), abs=1e-3)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from families import Barrel, Groin, Mirror, Pointed, Rib, Rotunda, Segmental, Vault
+from families import FAMILIES, Barrel, Groin, Mirror, Pointed, Rib, Rotunda, Segmental, Vault
 from vaultcad.fit.freedom import Demands
-from vaultcad.fit.solve import Placed, Solution, robust_cost, solve
+from vaultcad.fit.solve import Placed, Solution, _Bodies, _jacobian, robust_cost, solve
 from vaultcad.fit.uncertainty import slopes_of_distances
 from vaultcad.pose import Pose
 
@@ -70,6 +70,29 @@ def test_the_jacobian_is_the_derivative_of_the_distances() -> None:
         numeric = (moved.distance(points) - found.placed.distance(points)) / step
         agree = np.abs(numeric - found.jacobian[:, k]) < 1e-3
         assert agree.mean() > 0.99  # a point on an edge has two derivatives
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.id)
+def test_bodies_near_by_change_about_as_they_did(family: type[Vault]) -> None:
+    here = family()
+    free = Demands().freedom(here)
+    step = {name: here.values()[name] * 0.98 - (0.01 if here.values()[name] == 0 else 0) for name in free.names}
+    ranges = {p.name: p.range for p in here.parameters()}
+    moved = {name: min(max(value, ranges[name].low), ranges[name].high) for name, value in step.items()}
+    there = Placed(here.replaced(moved), Pose(0, 0, 0, 0))
+    points = there.vault.sample(2000, np.random.default_rng(1)).xyz
+    anew = _Bodies.of(there, free)
+    carried = _Bodies.of(Placed(here, there.pose), free).at(there, free)
+    one, other = (_jacobian(there, bodies, free, points) for bodies in (anew, carried))
+    assert (carried.table == anew.table).all()
+    assert np.linalg.norm(one - other, axis=0).max() < 0.1 * np.linalg.norm(one, axis=0).max()
+
+
+def test_bodies_of_another_kind_are_packed_anew() -> None:
+    level, ramped = (Placed(Barrel(4.0, 6.0, slope=slope), Pose(0, 0, 0, 0)) for slope in (0.0, 0.01))
+    free = Demands().freedom(level.vault)
+    carried, anew = _Bodies.of(level, free).at(ramped, free), _Bodies.of(ramped, free)
+    assert (carried.moved == anew.moved).all()
 
 
 def test_the_cost_runs_from_none_to_one_by_way_of_a_half() -> None:
