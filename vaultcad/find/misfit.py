@@ -55,6 +55,8 @@ COLUMN = 0.25  # m, edge of the plan's cells in which a vault is seen or not
 QUARTER, HALF = 0.25, 0.5  # shares of what is bent in a scan; where that is explained, this may be parts of the rest
 SEEN_THROUGH = 0.2, 0.4  # shares of a vault through which other stone is seen, between which the chance of that rises
 ABSENT = 0.9  # to this
+UNBORNE = 0.4, 0.7  # shares of its springings at which a vault ends on another ceiling, between which the chance rises
+PART = 0.9  # to this, that it is a part of a vault of none of the families
 MOST_LEFT = 0.8  # chance of that where no more than a quarter is explained; nought from a half on
 ROUGH = 0.3  # chance beforehand that a vault is of rough stone / that it is not
 ROUGHEST = 0.025, 0.01  # m off the model up to which stone may be rough; by how much more it seldom is
@@ -92,7 +94,8 @@ class Misfit:
     round the axis, in which most of it runs; 0 if in none. certain: chance likewise, by the vault's own stone alone.
     ridges: in which it runs, as corrugated sheet. beside: share of what is bent over the plan that is no part of it.
     pockets: places in which stone goes back behind it. share: of what is bent over all rooms of the scan, that all its
-    vaults explain. through: share of it, through which other stone is seen.
+    vaults explain. through: share of it, through which other stone is seen. unborne: share of its springings that are
+    on another ceiling.
     """
 
     chance: float
@@ -104,6 +107,7 @@ class Misfit:
     pockets: int = 0
     share: float = 1.0
     through: float = 0.0
+    unborne: float = 0.0
 
     @classmethod
     def of(cls, refined: Refined) -> Misfit:
@@ -181,6 +185,10 @@ class Misfit:
         """The same, of a vault of which a scan shows, in that share of what it shows of it, other stone behind it."""
         return replace(self, chance=1 - (1 - self.chance) * (1 - _absent(through)), through=through)
 
+    def with_footing(self, unborne: float) -> Misfit:
+        """The same, of a vault that ends with that share of its springings on another ceiling, as lobes do on lobes."""
+        return replace(self, chance=1 - (1 - self.chance) * (1 - _part(unborne)), unborne=unborne)
+
     def with_share(self, share: float) -> Misfit:
         """The same, of vaults that together explain that share of what is bent over the rooms of a scan.
 
@@ -202,6 +210,8 @@ class Misfit:
             return f"the stone goes back behind it in {self.pockets} places, as lunettes do that it does not have"
         if _absent(self.through) > DOUBTFUL:
             return f"other stone is seen through {self.through:.0%} of it"
+        if _part(self.unborne) > DOUBTFUL:
+            return f"{self.unborne:.0%} of its springings are over another ceiling, and no wall is there"
         if part_of_more(self.share) > DOUBTFUL:
             return f"{1 - self.share:.0%} of what is bent over the rooms of the scan is not explained"
         waves = f" in {self.waves} waves round the axis" if self.waves else ""
@@ -239,8 +249,17 @@ def part_of_more(share: float) -> float:
 
 def _absent(through: float) -> float:
     """Chance that a vault is not there, through that share of which other stone is seen."""
-    low, high = SEEN_THROUGH
-    return ABSENT * min(max((through - low) / (high - low), 0.0), 1.0)
+    return ABSENT * _between(through, SEEN_THROUGH)
+
+
+def _part(unborne: float) -> float:
+    """Chance that a vault is a part of another, of whose springings that share is over another ceiling."""
+    return PART * _between(unborne, UNBORNE)
+
+
+def _between(share: float, ends: tuple[float, float]) -> float:
+    """How far a share is from the first to the second of two others, 0 to 1."""
+    return min(max((share - ends[0]) / (ends[1] - ends[0]), 0.0), 1.0)
 
 
 def _strange(odds: float) -> float:

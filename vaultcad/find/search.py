@@ -29,6 +29,7 @@ from vaultcad.fit.label import label
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
+from vaultcad.survey.imposts import within_imposts
 from vaultcad.survey.stretches import along_and_beyond
 from vaultcad.survey.thinned_scan import STEEP, Site, Thin, find_site
 
@@ -211,7 +212,7 @@ class _Search:
         Raises:
             NoVaultError: none is near enough to what hangs there.
         """
-        site = _under_its_ceiling(find_site(thin, xyz), thin)
+        site = within_imposts(_under_its_ceiling(find_site(thin, xyz), thin))
         for axis, side in region.valleys:
             site = site.with_guessed_ends(axis, side)
         check_bent(site)
@@ -288,7 +289,7 @@ def _without(site: Site, ribs: Sequence[SeenRib]) -> Site:
     """The site without what is below ribs, and these."""
     other = ~np.any([rib.holds(site.points) for rib in ribs], axis=0)
     other |= np.abs(site.normals[:, 2]) < STEEP
-    return replace(site, **{name: getattr(site, name)[other] for name in ("points", "normals", "weights", "counts")})
+    return site.only(other)
 
 
 def _under_its_ceiling(site: Site, thin: Thin) -> Site:

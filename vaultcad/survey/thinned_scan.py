@@ -76,6 +76,10 @@ class Site:
         near = np.abs(turned(self.ends[:, :2], self.yaw)[:, axis] - edge) < RIM
         return replace(self, ties=np.where(near, GUESSED * ties, ties), guessed=self.guessed | {(axis, side)})
 
+    def only(self, mask: NDArray[np.bool_]) -> Site:
+        """The same with the points of a mask (n,)."""
+        return replace(self, **{name: getattr(self, name)[mask] for name in ("points", "normals", "weights", "counts")})
+
     @property
     def centre(self) -> Array:
         """(2,) of the rectangle in the local frame [m]."""
