@@ -156,9 +156,7 @@ class Barrel(Vault):
         upright = radius - CLEAR * tolerance  # nearer to the axis there is no wall
         away, half = np.hypot(aside, up) - radius, np.sqrt(radius**2 - upright**2)
         beside = (np.abs(up) < half) & (up < -z) & (aside > self.span / 2 - tolerance)
-        if (
-            beside.any() and (np.abs(away[beside]) < tolerance).mean() < ROUND
-        ):  # walls, whose feet may lie on the circle
+        if beside.any() and (np.abs(away[beside]) < tolerance).mean() < ROUND:  # walls, but for their feet
             return ""
         below = (up < -half) & (aside > radius / 2)
         below &= away > -tolerance  # what stands within, as stairs do, is neither wall nor lining
