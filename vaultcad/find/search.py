@@ -119,6 +119,9 @@ class _Search:
             return bays
         gain = 1 / GAIN if one.placed.vault.may_be_several else GAIN
         whole = [one, *self.arms([one], region)] if bays else [one]
+        pieces = all(type(bay.placed.vault) is type(one.placed.vault) for bay in bays)
+        if pieces and self._explained(bays, region) <= self._explained(whole, region):
+            return whole  # which is doubted more than they are, but they are it, cut
         return bays if self._believed(bays, region) > gain * self._believed(whole, region) else whole
 
     def single(self) -> list[Found]:
