@@ -34,7 +34,7 @@ from vaultcad.scanner.settings import ScannerSettings
 from vaultcad.scanner.settle import DeclaredSettlement
 
 FIRST = 4000  # seed of the first room
-POINTS = 60_000
+POINTS = 250_000  # as `bench.rooms` has by default
 FALL, SPREAD = 0.03, 0.02  # m
 CHANGE = 0.01  # m, by which a crown falls between two scans
 CLOSE = 0.003  # m

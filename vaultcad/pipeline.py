@@ -20,6 +20,7 @@ from segmentation.cloud import Cloud
 from segmentation.io.columns import corners
 from segmentation.notes import Note
 from vaultcad.change.reading import read_deformation
+from vaultcad.change.stonework import Stonework
 from vaultcad.deformation import Deformation
 from vaultcad.displacement import Displacement
 from vaultcad.errors import NoVaultError
@@ -221,7 +222,10 @@ class _Labelled:
     def _moved(self, found: Found, surface: Displacement | None) -> Deformation | None:
         """How a vault seems to have moved since it was built."""
         registration = REGISTRATION if self.several else 0.0
-        return read_deformation(found.refined, found.choices, self.demands, surface, registration=registration)
+        stonework = Stonework.about(found.placed, found.site.points)
+        return read_deformation(
+            found.refined, found.choices, self.demands, surface, stonework=stonework, registration=registration
+        )
 
     def vault(self, found: Found, number: int, rng: np.random.Generator) -> FittedVault:
         """The figures of the vault with that number.

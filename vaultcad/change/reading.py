@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from vaultcad.change.motion import Trend, Waves, estimated, honest, likelihoods, mixed
 from vaultcad.change.places import movement_of, places, readings
 from vaultcad.change.stone import Known, Stone
+from vaultcad.change.stonework import Stonework
 from vaultcad.deformation import Against, Deformation, Resemblance
 from vaultcad.find.choices import Choice
 from vaultcad.find.likelihood import DOUBT
@@ -50,6 +51,7 @@ def read_deformation(
     demands: Demands,
     surface: Callable[[Array], Array] | None = None,
     *,
+    stonework: Stonework | None = None,
     registration: float = 0.0,
 ) -> Deformation | None:
     """The reading of a vault; None where too little stone was seen.
@@ -59,9 +61,10 @@ def read_deformation(
         choices: of how it may have been built, the fit's first; without any only the fit's own.
         demands: of the fit.
         surface: displacements (n, 3) [m] of points (n, 3) in the vault's frame, that carry the model onto the stone.
+        stonework: all points of the site on the vault; without them those alone that the fit rests on.
         registration: standard deviation of the registration of the scan's stations [m], where there are several.
     """
-    stone = Stone.of(refined)
+    stone = Stone.of(refined, stonework)
     if stone is None:
         return None
     stone = stone.cleaned()
@@ -72,7 +75,7 @@ def read_deformation(
     figures = at.sums(np.einsum("pkc,pc->pk", shapes(at.place, stone.body).fields, at.way))
     trend = Trend.of_shapes(seen, figures, parts)
     waves = Waves.of(stone.place, stone.normal, at, vault.plan.width)
-    deviation = stone.means(refined.placed.distance(refined.points)[:, None])[:, 0]
+    deviation = stone.deviation
 
     wider = (PLIANT if vault.pliant else 1.0) * (1.0 if choices else UNWEIGHED)
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vaultcad.change.motion import Trend
 from vaultcad.change.places import Sights
+from vaultcad.change.stonework import Stonework
 from vaultcad.change.strays import with_most, without_strays
 from vaultcad.find.likelihood import ENOUGH, near_edges, secants
 from vaultcad.find.practice import beforehand
@@ -36,8 +37,9 @@ class Stone:
 
     moved: (b, k) by how much each shape moves each block along its normals, usable or not: a mean over its points, for
     walls fade within a block or two. parts: (k,) whose each shape is. fadings: the shapes (k,) of each way in which
-    walls may fade. strange: share (0 to 1) of the vault's stone that was left out, as nothing explains it; astray: by
-    how much it is off what does, root mean square [m].
+    walls may fade. calmer: (n,) what is to be added to the deviations of the points that the fit
+    rests on [m] to have those of all the site's points about each. strange: share (0 to 1) of the vault's stone that
+    was left out, as nothing explains it; astray: by how much it is off what does, root mean square [m].
     """
 
     refined: Refined
@@ -47,14 +49,19 @@ class Stone:
     moved: Array
     parts: NDArray[np.str_]
     fadings: Sequence[NDArray[np.bool_]]
+    calmer: Array
     strange: float = 0.0
     astray: float = 0.0
 
     @classmethod
-    def of(cls, refined: Refined) -> Stone | None:
-        """Of the points that a fit rests on; None if they are too few."""
+    def of(cls, refined: Refined, stonework: Stonework | None = None) -> Stone | None:
+        """Of the points that a fit rests on, and all of the site about these; None if they are too few."""
         placed, evidence = refined.placed, refined.evidence
-        residuals = placed.distance(evidence.points)
+        vault, frame = placed.vault, placed.pose.frame()
+        local = evidence.points @ frame[:, :3].T + frame[:, 3]
+        surface = vault.evaluate(local, walls=True)
+        own = placed.distance(evidence.points)
+        residuals = own if stonework is None else stonework.told(evidence.points, surface.component, own)
         weights = evidence.weights / (1 + (residuals / WIDEST) ** 2) ** 2
         weights = weights * ~near_edges(placed, evidence.points, ROUNDED)
         blocks = Partition.of(placed, evidence.points, weights, BLOCKS, LAYERS)
@@ -63,13 +70,10 @@ class Stone:
         usable = (blocks.weight > 0) & (np.abs(mean) < FARTHEST)
         if usable.sum() < ENOUGH:
             return None
-        vault = placed.vault
         body = Body.of(vault, float(-blocks.place[usable, 2].min()))
-        frame = placed.pose.frame()
-        local = evidence.points @ frame[:, :3].T + frame[:, 3]
         shown = shapes(local, body)
-        slopes = np.einsum("nkc,nc->nk", shown.fields, vault.evaluate(local, walls=True).normal)
-        return cls(refined, blocks, usable, body, blocks.means(slopes), shown.part, shown.alternatives())
+        moved = blocks.means(np.einsum("nkc,nc->nk", shown.fields, surface.normal))
+        return cls(refined, blocks, usable, body, moved, shown.part, shown.alternatives(), residuals - own)
 
     def cleaned(self) -> Stone:
         """Without blocks that no shape of a mechanism and no other size of the vault explains: furniture, frames."""
@@ -110,14 +114,19 @@ class Stone:
         """By how much each shape moves the usable blocks (m, k)."""
         return self.moved[self.usable]
 
-    def means(self, values: Array) -> Array:
-        """Over the usable blocks, of values (n, k) of the points."""
-        return self.blocks.means(values)[self.usable]
+    @property
+    def deviation(self) -> Array:
+        """How far the usable blocks are off the fit (m,) [m]."""
+        refined = self.refined
+        whole = refined.placed.distance(refined.points) + self.calmer
+        out: Array = self.blocks.means(whole[:, None])[self.usable, 0]
+        return out
 
     def against(self, solution: Solution) -> tuple[Array, Known]:
         """What usable blocks are off a solution (m,) [m], and what is known of its unknowns."""
-        blocks = with_most(self.blocks, solution.residuals)
-        residual = blocks.means(solution.residuals[:, None])[self.usable, 0]
+        residuals = solution.residuals + self.calmer
+        blocks = with_most(self.blocks, residuals)
+        residual = blocks.means(residuals[:, None])[self.usable, 0]
         slopes = blocks.means(secants(solution, self.refined.points))[self.usable]
         return residual, (slopes, *beforehand(solution))
 
