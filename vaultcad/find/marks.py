@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from families import Vault
 from vaultcad.fit.settlement import smooth_fields
-from vaultcad.fit.solve import Placed, Solution
+from vaultcad.fit.solve import POSE, Placed, Solution
 from vaultcad.survey.springings import Springing
 
 Array = NDArray[np.float64]
@@ -81,12 +81,15 @@ class Marks:
         k: number of the field's length. strength: (h,) variances of its waves [m²]. weight: (h, n) inverse variances of
         the blocks along its vectors. slopes: (n, u), rest: (n,) derivatives and residuals of these.
         """
-        gain = strength[:, None, None] * weight[:, :, None] * self.cross[k]
+        cross, known = self.cross[k], slopes.shape[1]
+        columns = np.column_stack([slopes, rest, cross])
+        products = (cross[:, :, None] * columns[:, None, :]).reshape(len(cross), cross.shape[1] * columns.shape[1])
+        by_blocks = strength[:, None, None] * (weight @ products).reshape(len(weight), cross.shape[1], columns.shape[1])
         off = self.level - solution.placed.pose.z
-        moved = np.zeros((len(off), slopes.shape[1]))
-        moved[:, 2] = 0.0 if "z" in solution.free.pose else -1.0
-        own = strength[:, None, None] * (self.own[k] - np.swapaxes(gain, 1, 2) @ self.cross[k])
-        return off - rest @ gain, moved - np.swapaxes(gain, 1, 2) @ slopes, own + np.diag(self.std**2)
+        moved = np.zeros((len(off), known))
+        moved[:, POSE.index("z")] = 0.0 if "z" in solution.free.pose else -1.0
+        own = strength[:, None, None] * (self.own[k] - by_blocks[:, :, known + 1 :])
+        return off - by_blocks[:, :, known], moved - by_blocks[:, :, :known], own + np.diag(self.std**2)
 
 
 def _about(found: Sequence[Springing], placed: Placed) -> list[Springing]:
