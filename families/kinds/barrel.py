@@ -25,6 +25,7 @@ ABREAST = tuple(k / 32 - 1 for k in range(65))  # shares of the half span at whi
 CLEAR = 1.5  # tolerances that a lining is nearer to the axis than an upright wall would be
 LINING = 0.02  # points of a lining below the springing / those above it, from which on it is one
 MOSTLY = 0.5  # share of all points there that they must be
+ROUND = 0.5  # share of what stands as far out under the springing that must be on it, too, where a wall would be off it
 
 
 @dataclass(frozen=True)
@@ -153,8 +154,11 @@ class Barrel(Vault):
         aside = np.abs((points[:, :2] - origin) @ across - x)
         up = points[:, 2] - (points[:, :2] - origin) @ climb - z
         upright = radius - CLEAR * tolerance  # nearer to the axis there is no wall
-        below = (up < -np.sqrt(radius**2 - upright**2)) & (aside > radius / 2)
-        away = np.hypot(aside, up) - radius
+        away, half = np.hypot(aside, up) - radius, np.sqrt(radius**2 - upright**2)
+        beside = (np.abs(up) < half) & (up < -z) & (aside > self.span / 2 - tolerance)
+        if beside.any() and (np.abs(away[beside]) < tolerance).mean() < ROUND:  # walls, but for their feet
+            return ""
+        below = (up < -half) & (aside > radius / 2)
         below &= away > -tolerance  # what stands within, as stairs do, is neither wall nor lining
         lining = below & (away < tolerance) & (aside < upright)
         if lining.sum() <= max(LINING * len(own), MOSTLY * below.sum()):

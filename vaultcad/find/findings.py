@@ -13,9 +13,11 @@ from families import Vault
 from families.declaration.ribs import DIAGONAL
 from vaultcad.errors import NoVaultError
 from vaultcad.find.arches import FoundArch, find_arch
+from vaultcad.find.footing import on_ceilings
 from vaultcad.find.found import Found
 from vaultcad.find.likeness import as_near, firsts, in_turn, look_of_ceiling, look_of_soffit
-from vaultcad.find.misfit import part_of_more
+from vaultcad.find.misfit import OVERLAID, SEEN_THROUGH, UNBORNE, Misfit, part_of_more
+from vaultcad.find.overlaid import overlaid
 from vaultcad.find.ribs import rib_arches
 from vaultcad.find.rows import learned
 from vaultcad.find.search import under_one_ceiling
@@ -238,13 +240,21 @@ def _check_bent(ceiling: Ceiling) -> None:
 
 
 def _weighed(vaults: Sequence[Found], ceilings: Sequence[Ceiling], thin: Thin) -> tuple[Found, ...]:
-    """The vaults, doubted where they explain little of what is bent in a scan, or where it shows what is behind them.
+    """The vaults, doubted where they explain little of what is bent in a scan, where it shows what is behind them, or
+    that they stand on other ceilings, or that they reach into each other.
 
     Raises:
         NoVaultError: they explain so little that they are no vaults.
     """
-    sights = spread(lambda n: seen_through(vaults[n].placed, thin.points), len(vaults))
-    seen = [replace(one, misfit=one.misfit.with_sight(sight)) for one, sight in zip(vaults, sights, strict=True)]
+    others = overlaid([(one.placed, one.tolerance) for one in vaults], thin.points)
+
+    def misfit(n: int) -> Misfit:
+        placed = vaults[n].placed
+        said = vaults[n].misfit.with_sign(SEEN_THROUGH, seen_through(placed, thin.points))
+        return said.with_sign(UNBORNE, on_ceilings(placed, thin)).with_sign(OVERLAID, others[n])
+
+    misfits = spread(misfit, len(vaults))
+    seen = [replace(one, misfit=said) for one, said in zip(vaults, misfits, strict=True)]
     bent = np.concatenate([np.empty((0, 3)), *(ceiling.points[~ceiling.level] for ceiling in ceilings)])
     if not len(bent):
         return tuple(seen)

@@ -51,6 +51,7 @@ def _rows(vault: Barrel, pockets: Sequence[Array]) -> Iterator[Vault]:
     pitch = min(float(np.ptp(centres)) / (count - 1) if count > 1 else pitch, (vault.length - 2 * abs(shift)) / count)
     slack = (vault.length - count * pitch) / 2
     shares = {"pitch_ratio": pitch * count / vault.length, "shift_ratio": shift / slack if slack > 0 else 0.0}
+    shares = {name: _within(name, share) for name, share in shares.items()}  # a row that ends with the barrel
     for kind in ARCHES:
         profile = kind.over(top / width) or kind()
         rise = min(profile.rise(width / 2), top)

@@ -53,8 +53,7 @@ BESIDE, SURELY = (0.06, 0.12), 4.5  # shares of what is bent over a plan, off th
 IN_POCKETS = 0.0, 0.1, 0.5  # chance of that where stone goes back behind a vault in no place, one, and more
 COLUMN = 0.25  # m, edge of the plan's cells in which a vault is seen or not
 QUARTER, HALF = 0.25, 0.5  # shares of what is bent in a scan; where that is explained, this may be parts of the rest
-SEEN_THROUGH = 0.2, 0.4  # shares of a vault through which other stone is seen, between which the chance of that rises
-ABSENT = 0.9  # to this
+SURELY_OTHER = 0.9  # chance of that where a sign could not be clearer
 MOST_LEFT = 0.8  # chance of that where no more than a quarter is explained; nought from a half on
 ROUGH = 0.3  # chance beforehand that a vault is of rough stone / that it is not
 ROUGHEST = 0.025, 0.01  # m off the model up to which stone may be rough; by how much more it seldom is
@@ -85,6 +84,28 @@ LEFT_BY_ROUGH_STONE = _prior(0.012, 0.5, 0.005, 0.5)  # as on the rough vaults a
 
 
 @dataclass(frozen=True)
+class Sign:
+    """What speaks against a vault the more, the larger the share of it is that shows it.
+
+    ends: shares up to which that is nothing, and from which on the chance is `SURELY_OTHER` that it is none. text: what
+    is said then, of the share.
+    """
+
+    ends: tuple[float, float]
+    text: str
+
+    def chance(self, share: float) -> float:
+        """That it is no vault of the families, by that share alone."""
+        low, high = self.ends
+        return SURELY_OTHER * min(max((share - low) / (high - low), 0.0), 1.0)
+
+
+SEEN_THROUGH = Sign((0.2, 0.4), "other stone is seen through {:.0%} of it")
+UNBORNE = Sign((0.4, 0.7), "{:.0%} of its springings are over another ceiling, and no wall is there")
+OVERLAID = Sign((0.12, 0.3), "another vault hangs over {:.0%} of its plan")
+
+
+@dataclass(frozen=True)
 class Misfit:
     """What the stone says against the best model.
 
@@ -92,7 +113,7 @@ class Misfit:
     round the axis, in which most of it runs; 0 if in none. certain: chance likewise, by the vault's own stone alone.
     ridges: in which it runs, as corrugated sheet. beside: share of what is bent over the plan that is no part of it.
     pockets: places in which stone goes back behind it. share: of what is bent over all rooms of the scan, that all its
-    vaults explain. through: share of it, through which other stone is seen.
+    vaults explain. signs: what else speaks against it, each with the share of it that does.
     """
 
     chance: float
@@ -103,7 +124,7 @@ class Misfit:
     beside: float = 0.0
     pockets: int = 0
     share: float = 1.0
-    through: float = 0.0
+    signs: tuple[tuple[Sign, float], ...] = ()
 
     @classmethod
     def of(cls, refined: Refined) -> Misfit:
@@ -177,9 +198,10 @@ class Misfit:
         other = IN_POCKETS[min(pockets, len(IN_POCKETS) - 1)]
         return replace(self, chance=1 - (1 - self.chance) * (1 - other), pockets=pockets)
 
-    def with_sight(self, through: float) -> Misfit:
-        """The same, of a vault of which a scan shows, in that share of what it shows of it, other stone behind it."""
-        return replace(self, chance=1 - (1 - self.chance) * (1 - _absent(through)), through=through)
+    def with_sign(self, sign: Sign, share: float) -> Misfit:
+        """The same, of a vault of which that share speaks against it."""
+        other = sign.chance(share)
+        return replace(self, chance=1 - (1 - self.chance) * (1 - other), signs=(*self.signs, (sign, share)))
 
     def with_share(self, share: float) -> Misfit:
         """The same, of vaults that together explain that share of what is bent over the rooms of a scan.
@@ -200,8 +222,9 @@ class Misfit:
             return f"{self.beside:.0%} of the stone over its plan is more than {100 * REACH:.0f} cm off it"
         if self.pockets > 1:
             return f"the stone goes back behind it in {self.pockets} places, as lunettes do that it does not have"
-        if _absent(self.through) > DOUBTFUL:
-            return f"other stone is seen through {self.through:.0%} of it"
+        for sign, share in self.signs:
+            if sign.chance(share) > DOUBTFUL:
+                return sign.text.format(share)
         if part_of_more(self.share) > DOUBTFUL:
             return f"{1 - self.share:.0%} of what is bent over the rooms of the scan is not explained"
         waves = f" in {self.waves} waves round the axis" if self.waves else ""
@@ -235,12 +258,6 @@ def _one_web(beside: float) -> float:
 def part_of_more(share: float) -> float:
     """Chance that what was found are parts of what was not, as they explain that share of what is bent in a scan."""
     return MOST_LEFT * min(max((HALF - share) / (HALF - QUARTER), 0.0), 1.0)
-
-
-def _absent(through: float) -> float:
-    """Chance that a vault is not there, through that share of which other stone is seen."""
-    low, high = SEEN_THROUGH
-    return ABSENT * min(max((through - low) / (high - low), 0.0), 1.0)
 
 
 def _strange(odds: float) -> float:

@@ -29,6 +29,7 @@ from vaultcad.fit.label import label
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
+from vaultcad.survey.imposts import within_imposts
 from vaultcad.survey.springings import Springing
 from vaultcad.survey.stretches import along_and_beyond
 from vaultcad.survey.thinned_scan import STEEP, Site, Thin, find_site
@@ -120,6 +121,9 @@ class _Search:
             return bays
         gain = 1 / GAIN if one.placed.vault.may_be_several else GAIN
         whole = [one, *self.arms([one], region)] if bays else [one]
+        pieces = all(type(bay.placed.vault) is type(one.placed.vault) for bay in bays)
+        if pieces and self._explained(bays, region) <= self._explained(whole, region):
+            return whole  # which is doubted more than they are, but they are it, cut
         return bays if self._believed(bays, region) > gain * self._believed(whole, region) else whole
 
     def single(self) -> list[Found]:
@@ -213,7 +217,7 @@ class _Search:
         Raises:
             NoVaultError: none is near enough to what hangs there.
         """
-        site = _under_its_ceiling(find_site(thin, xyz), thin)
+        site = within_imposts(_under_its_ceiling(find_site(thin, xyz), thin))
         for axis, side in region.valleys:
             site = site.with_guessed_ends(axis, side)
         check_bent(site)
@@ -290,7 +294,7 @@ def _without(site: Site, ribs: Sequence[SeenRib]) -> Site:
     """The site without what is below ribs, and these."""
     other = ~np.any([rib.holds(site.points) for rib in ribs], axis=0)
     other |= np.abs(site.normals[:, 2]) < STEEP
-    return replace(site, **{name: getattr(site, name)[other] for name in ("points", "normals", "weights", "counts")})
+    return site.only(other)
 
 
 def _under_its_ceiling(site: Site, thin: Thin) -> Site:

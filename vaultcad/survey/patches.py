@@ -27,6 +27,7 @@ CLEAR = 1.3  # m; a ceiling has a room below it
 SLENDER = 0.3  # m, width in plan of what ends no room above it: tie rods, cables, beams
 DOORSTEP = np.array([2.0, 2.0, 0.1])  # m in plan and in height, within which the floor of the next room goes on
 PLANE, LEVEL = 0.98, 0.9  # mean of the normals of a floor: their length at least, and its upward part
+BUMPY = 0.85, 0.6  # that length of an earth floor with heaps; share of it under a ceiling, where nothing is below it
 
 
 @dataclass(frozen=True)
@@ -143,8 +144,10 @@ def _has_room_below(patches: Patches) -> NDArray[np.bool_]:
     facing = patches.normals * np.sign(patches.normals[:, 2:])
     sums = np.column_stack([np.bincount(patches.patch, axis, count) for axis in facing.T])
     mean = sums / np.bincount(patches.patch, minlength=count)[:, None]
-    level = (lowest > columns / 2) & (np.linalg.norm(mean, axis=1) > PLANE) & (mean[:, 2] > LEVEL)
+    plane = np.linalg.norm(mean, axis=1)
+    level = (lowest > columns / 2) & (plane > PLANE) & (mean[:, 2] > LEVEL)
     floor = level & (under > columns / 4)
+    floor |= (lowest > LEVEL * columns) & (plane > BUMPY[0]) & (under > BUMPY[1] * columns)
     floor |= level & _is_level_with(patches, floor)
     room: NDArray[np.bool_] = (low < columns / 2) & ~floor
     return room

@@ -35,6 +35,7 @@ FLOOR_NORMAL = 0.9  # |nz| of a floor at the least
 UNDER = 0.2  # share of all points below the floor at the most
 PEAK = 5.0  # how far the most frequent direction of the walls must stand above the middling one
 SECOND = 0.5  # of the most frequent direction, how frequent that halfway between is over an octagon
+OVER_FLOOR = 0.2  # m over the lowest stone that is no floor, up to where strays of that may lie
 GUESSED = 0.1  # weight of the ends of stone that was cut in a valley
 BIN = 0.03  # m, of the histograms along the plan's axes
 
@@ -75,6 +76,10 @@ class Site:
         edge = (self.low, self.high)[side][axis]
         near = np.abs(turned(self.ends[:, :2], self.yaw)[:, axis] - edge) < RIM
         return replace(self, ties=np.where(near, GUESSED * ties, ties), guessed=self.guessed | {(axis, side)})
+
+    def only(self, mask: NDArray[np.bool_]) -> Site:
+        """The same with the points of a mask (n,)."""
+        return replace(self, **{name: getattr(self, name)[mask] for name in ("points", "normals", "weights", "counts")})
 
     @property
     def centre(self) -> Array:
@@ -179,11 +184,13 @@ def find_site(thin: Thin, xyz: NDArray[np.floating]) -> Site:
     Raises:
         NoVaultError: nothing stands above the floor.
     """
-    thin = above_floor(thin)
+    whole, thin = thin, above_floor(thin)
     yaw = yaw_of(thin.points, thin.normals)
     site = _along(yaw, thin)
     if site.walled.all():
         return site
+    if len(thin.points) < len(whole.points):  # a floor goes on beyond an open side
+        xyz = xyz[xyz[:, 2] > site.bottom + OVER_FLOOR]
     sides = _open_sides(xyz, site)
     if turn := turn_of(sides):  # the walls of a splay are as many as its axis, and it lies between them
         site = _along(yaw + turn, thin)

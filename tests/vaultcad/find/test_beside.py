@@ -104,6 +104,20 @@ def test_lower_barrels_that_meet_a_wide_one_are_found_as_its_arms() -> None:
     assert [round(one.placed.pose.x / (2.1 + arm / 2)) for one in found] == [0, -1, 1]
 
 
+def test_a_barrel_that_sank_in_its_middle_is_one_and_doubted_not_two() -> None:
+    rng, vault = np.random.default_rng(4), Barrel(5.2, 8.0, Segmental(0.31))
+    xyz = vault.sample(40_000, rng).xyz
+    xyz[:, 2] -= 0.25 * np.exp(-((xyz[:, 1] / 2) ** 2) - xyz[:, 0] ** 2)
+    walls = rng.uniform(-1, 1, (24_000, 3)) * [2.6, 4.0, 1.4] - [0, 0, 1.4]
+    walls[::2, 0], walls[1::2, 1] = 2.6 * np.sign(walls[::2, 0]), 4.0 * np.sign(walls[1::2, 1])
+    scan = np.concatenate([xyz, walls])
+    scan = (scan + rng.normal(0, 0.003, scan.shape)).astype(np.float32)
+    (found,) = under_one_ceiling(thin_scan(Cloud(scan)), scan, (Barrel,), np.random.default_rng(0), NONE)
+    assert abs(found.placed.vault.values()["length"] - 8.0) < 0.1
+    assert found.confidence[0] < 0.8
+    assert "more than settlement explains" in found.doubt
+
+
 def test_the_head_of_a_window_is_no_vault() -> None:
     assert _is_soffit(Barrel(3.0, 0.9))
     assert not _is_soffit(Barrel(9.0, 4.0))  # a bay of a nave

@@ -214,3 +214,12 @@ def test_a_lining_is_one_up_a_ramp_too_whatever_stands_within(slope: float) -> N
         points[:, 2] += slope * points[:, 1] + vault.lift
         why = vault.contradiction(points, points[: int((turn % np.pi == turn).sum())], tolerance)
         assert ("lining of a tunnel" in why) == refused
+
+
+@pytest.mark.parametrize("height", [1.5, 2.2, 2.9, 3.4])
+def test_a_room_is_no_tunnel_where_the_feet_of_its_walls_lie_on_the_circle_of_its_vault(height: float) -> None:
+    rng, vault, tolerance = np.random.default_rng(4), Barrel(5.2, 8.0, Segmental(0.295)), 0.07
+    own = vault.sample(20_000, rng).xyz
+    walls = rng.uniform(-1, 1, (20_000, 3)) * [0, 4, height / 2] - [0, 0, height / 2]
+    walls[:, 0] = 2.6 * (1 - 2 * (np.arange(len(walls)) % 2))
+    assert vault.contradiction(np.concatenate([own, walls]), own, tolerance) == ""

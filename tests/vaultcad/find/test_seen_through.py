@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from families import Barrel, Dome, Groin, Vault
-from vaultcad.find.misfit import FITS
+from vaultcad.find.misfit import FITS, SEEN_THROUGH
 from vaultcad.find.seen_through import seen_through
 from vaultcad.fit.solve import Placed
 from vaultcad.pose import Pose
@@ -35,7 +35,7 @@ def test_half_a_barrel_with_another_vault_over_its_other_half_is_doubted() -> No
     lobed = np.concatenate([seen[seen[:, across] > 0], middle[middle[:, across] < 0]])
     through = seen_through(Placed(lobe, POSE), in_place(lobed))
     assert through == pytest.approx(0.5, abs=0.05)
-    doubted = FITS.with_sight(through)
+    doubted = FITS.with_sign(SEEN_THROUGH, through)
     assert doubted.chance > 0.8
     assert doubted.reason.startswith("other stone is seen through")
-    assert (FITS.with_sight(0.15).chance, FITS.with_sight(0.15).reason) == (0.0, "")
+    assert (FITS.with_sign(SEEN_THROUGH, 0.15).chance, FITS.with_sign(SEEN_THROUGH, 0.15).reason) == (0.0, "")

@@ -110,3 +110,15 @@ def test_one_pocket_is_a_door_and_pockets_behind_no_barrel_begin_nothing() -> No
     pocket = np.array([[2.0, -0.5, 1.0], [2.0, 0.5, 1.0]])
     assert lunettes_at(replace(STANDS, vault=Barrel(5.0, 10.6)), [pocket]) is None
     assert lunettes_at(STANDS, [pocket, -pocket]) is None
+
+
+def test_a_row_that_ends_where_the_barrel_does_is_begun_there() -> None:
+    barrel = replace(STANDS, vault=Barrel(4.0, 7.1))
+    for last in np.linspace(3.4, 3.6, 101):
+        middles = [(2.2 * side, last - 1.1 * k) for k in range(3) for side in (-1.9, 1.9)]
+        pockets = [np.array([[x, y - 0.4, 0.7], [x, y + 0.4, 1.1]]) for x, y in middles]
+        start = lunettes_at(barrel, pockets)
+        assert start is not None
+        for way in start.ways:
+            assert isinstance(way.vault, Lunette)
+            assert 0 < way.vault.shift_ratio <= 1

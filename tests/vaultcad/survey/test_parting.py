@@ -195,6 +195,19 @@ def test_what_is_seen_of_the_next_floor_through_a_door_hangs_over_no_room(z: flo
     assert hung_and_other(Thin(points, up, np.ones(len(points)), 0.05))[0].count == hung
 
 
+@pytest.mark.parametrize("heap", [0.0, 0.4, 0.8])
+def test_an_earth_floor_with_heaps_hangs_over_no_room(heap: float) -> None:
+    x, y = (axis.ravel() for axis in np.mgrid[-3:3:0.05, -2:2:0.05])
+    waves = 0.1 * (np.sin(4 * x) + np.cos(5 * y)) + heap * np.exp(-((x - 1) ** 2) - (y + 0.5) ** 2)
+    slopes = [np.gradient(waves.reshape(120, 80), 0.05, axis=axis).ravel() for axis in (0, 1)]
+    vault = Barrel(4.0, 6.0, Segmental(0.2)).sample(8_000, np.random.default_rng(1))
+    points = np.concatenate([np.column_stack([x, y, waves]), vault.xyz[:, [1, 0, 2]] + [0, 0, 2.4]])
+    facing = np.concatenate([np.column_stack([-slopes[0], -slopes[1], np.ones(len(x))]), vault.normals[:, [1, 0, 2]]])
+    facing /= np.linalg.norm(facing, axis=1)[:, None]
+    hung, others = hung_and_other(Thin(points, facing, np.ones(len(points)), 0.05))
+    assert hung.points[:, 2].min() > 2 > others.points[:, 2].max()
+
+
 def test_soffits_are_where_the_arches_are() -> None:
     scan, _, parting = surveyed("nave and apse")
     assert len(parting.soffits) == len(scan.case["arches"]) == 2
