@@ -17,6 +17,7 @@ from vaultcad.find.recognise import recognise
 from vaultcad.find.refine import refine
 from vaultcad.fit.freedom import Demands
 from vaultcad.survey.soffits import SIGMA, Soffit
+from vaultcad.survey.springings import Springing
 from vaultcad.survey.thinned_scan import STEEP, UPRIGHT, Site, Thin, turned
 
 Array = NDArray[np.float64]
@@ -86,9 +87,16 @@ class FoundArch:
 
 
 def find_arch(
-    soffit: Soffit, thin: Thin, hung: Array, rng: np.random.Generator, like: FoundArch | None = None
+    soffit: Soffit,
+    thin: Thin,
+    hung: Array,
+    rng: np.random.Generator,
+    like: FoundArch | None = None,
+    feet: Sequence[Springing] = (),
 ) -> FoundArch:
     """The arch over a soffit; `hung` (n, 3) [m] are the ceilings, `like` is an arch whose soffit looks like it.
+
+    feet: where it springs.
 
     Raises:
         NoVaultError: an arch of no kind comes near, or it is a lintel.
@@ -96,25 +104,29 @@ def find_arch(
     low, high = np.quantile(soffit.curve[:, 1], MOST)
     if high - low < LEVEL * soffit.length:
         raise NoVaultError(f"no arch found: a soffit {soffit.length:.1f} m long is level, as that of a door")
-    barrel = fitted_soffit(soffit, thin, rng, None if like is None else like.barrel)
+    barrel = fitted_soffit(soffit, thin, rng, None if like is None else like.barrel, feet)
     return FoundArch(soffit, barrel, *_depth(soffit, barrel, hung))
 
 
-def fitted_soffit(soffit: Soffit, thin: Thin, rng: np.random.Generator, like: Found | None = None) -> Found:
-    """The barrel of a soffit, as long as that is wide; `like` is one from which it can begin.
+def fitted_soffit(
+    soffit: Soffit, thin: Thin, rng: np.random.Generator, like: Found | None = None, feet: Sequence[Springing] = ()
+) -> Found:
+    """The barrel of a soffit, as long as that is wide; `like` is one from which it can begin, `feet` where it springs.
 
     Raises:
         NoVaultError: an arch of no kind comes near.
     """
     site = _site(soffit, thin)
     demands = Demands(sizes={"length": soffit.width, "slope": 0.0, "splay": 0.0}, pose={"yaw": soffit.yaw})
-    barrel = _barrel(site, rng, demands, like)
+    barrel = _barrel(site, rng, demands, like, feet)
     if like is not None and not agree([barrel], like):
-        barrel = _barrel(site, rng, demands, None)
+        barrel = _barrel(site, rng, demands, None, feet)
     return barrel
 
 
-def _barrel(site: Site, rng: np.random.Generator, demands: Demands, like: Found | None) -> Found:
+def _barrel(
+    site: Site, rng: np.random.Generator, demands: Demands, like: Found | None, feet: Sequence[Springing]
+) -> Found:
     """The barrel of a soffit, begun from one like it if there is one.
 
     Raises:
@@ -124,7 +136,7 @@ def _barrel(site: Site, rng: np.random.Generator, demands: Demands, like: Found 
     hypotheses = recognise(site, rng, families=(Barrel,), demands=demands, known=known)
     refined = refine(hypotheses[0], site, rng, demands=demands, known=like.refined.kept if like else None)
     found = Found(site, hypotheses, refined, refined.tolerance)
-    return likeliest_of(found, demands, rng, choices_like(like, found) if like else ())
+    return likeliest_of(found, demands, rng, choices_like(like, found) if like else (), feet)
 
 
 def _site(soffit: Soffit, thin: Thin) -> Site:

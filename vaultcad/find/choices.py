@@ -28,6 +28,7 @@ from vaultcad.find.refine import Refined, settled
 from vaultcad.fit.freedom import RECTANGLE, Demands
 from vaultcad.fit.solve import POSE, Placed, Solution
 from vaultcad.model import Rival
+from vaultcad.survey.springings import Springing
 from vaultcad.uncertain import Covariance
 
 Array = NDArray[np.float64]
@@ -59,15 +60,20 @@ class Choice:
 
 
 def weigh(
-    refined: Refined, demands: Demands, rng: np.random.Generator, known: Sequence[Choice] = ()
+    refined: Refined,
+    demands: Demands,
+    rng: np.random.Generator,
+    known: Sequence[Choice] = (),
+    springings: Sequence[Springing] = (),
 ) -> tuple[Choice, ...]:
     """All choices of arches and constraints that are not out of the question; none if there is too little stone.
 
-    known: those of a vault that looks like this one; no others are looked for while these hold.
+    known: those of a vault that looks like this one; no others are looked for while these hold. springings: of the
+    arches in the scan.
     The first has the likeliest arches, and the constraints of the fit unless others are clearly likelier with these;
     the likeliest of the rest follow.
     """
-    moved = Field.of(refined, rng)
+    moved = Field.of(refined, rng, springings)
     if moved is None:
         return ()
     search = _ChoiceSearch(moved, demands)

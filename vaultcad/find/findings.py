@@ -30,6 +30,7 @@ from vaultcad.survey.parting import Ceiling, parted
 from vaultcad.survey.patches import Patches
 from vaultcad.survey.plan_grid import Laid
 from vaultcad.survey.soffits import Soffit
+from vaultcad.survey.springings import Springing, springings
 from vaultcad.survey.thinned_scan import UPRIGHT, Thin
 
 FLAT = 0.97  # share of a ceiling that is level, from which on it is none of a vault
@@ -77,6 +78,8 @@ def find_vaults(
             if any(rib.line == DIAGONAL for rib in ribbed.arches):
                 return ribbed
     laid = parting.laid(xyz)
+    feet = springings(soffits, laid)
+    sprung = [one for found in feet for one in found]
     kinds = firsts([look_of_ceiling(ceiling.points) for ceiling in ceilings])
     kinds += [len(ceilings) + k for k in firsts([look_of_soffit(soffit) for soffit in soffits])]
 
@@ -84,9 +87,9 @@ def find_vaults(
         try:
             if k < len(ceilings):
                 like = first[0] if isinstance(first, tuple) and len(first) == 1 else None
-                return _over_part(thin, laid, ceilings[k], families, rngs[k], demands, like)
+                return _over_part(thin, laid, ceilings[k], families, rngs[k], demands, like, sprung)
             soffit, arch = soffits[k - len(ceilings)], first if isinstance(first, FoundArch) else None
-            return find_arch(soffit, thin, hung, rngs[k], arch)
+            return find_arch(soffit, thin, hung, rngs[k], arch, feet[k - len(ceilings)])
         except NoVaultError as error:
             return error
 
@@ -101,7 +104,7 @@ def find_vaults(
     found = [results[k] for k in range(len(kinds))]
     under = [result if isinstance(result, tuple) else () for result in found[: len(ceilings)]]
     if BAYS.name not in demands.freed:
-        under = _looked_at_again(thin, laid, ceilings, under, rngs, demands, progress)
+        under = _looked_at_again(thin, laid, ceilings, under, rngs, demands, sprung, progress)
     vaults = [one for result in under for one in result]
     arches = [result for result in found if isinstance(result, FoundArch)]
     if not vaults:  # holes and scaffolds can part what is one
@@ -132,6 +135,7 @@ def _over_part(
     rng: np.random.Generator,
     demands: Demands,
     like: Found | None,
+    sprung: Sequence[Springing],
 ) -> tuple[Found, ...]:
     """The vaults of one ceiling of several; `like` is the one vault of a ceiling that looks like it.
 
@@ -143,8 +147,8 @@ def _over_part(
     if like is not None:
         begun = rng.spawn(1)[0]  # so that a search in full is the same as if this had not been tried
         with suppress(NoVaultError):
-            return under_one_ceiling(mine, own, families, begun, demands, part=True, like=like)
-    return under_one_ceiling(mine, own, families, rng, demands, part=True)
+            return under_one_ceiling(mine, own, families, begun, demands, part=True, like=like, springings=sprung)
+    return under_one_ceiling(mine, own, families, rng, demands, part=True, springings=sprung)
 
 
 def _looked_at_again(
@@ -154,6 +158,7 @@ def _looked_at_again(
     under: Sequence[tuple[Found, ...]],
     rngs: Sequence[np.random.Generator],
     demands: Demands,
+    sprung: Sequence[Springing],
     progress: Callable[[str], None],
 ) -> list[tuple[Found, ...]]:
     """What is under each ceiling, where those that a row lacks, or that are odd in it, were tried as bays of it."""
@@ -169,7 +174,9 @@ def _looked_at_again(
             families, own = (type(look.beside.placed.vault),), ceiling.part.own(laid)
             try:
                 _check_bent(ceiling)
-                found = under_one_ceiling(mine, own, families, rngs[look.number], asked, part=True, like=look.beside)
+                found = under_one_ceiling(
+                    mine, own, families, rngs[look.number], asked, part=True, like=look.beside, springings=sprung
+                )
             except NoVaultError:
                 return None
             before = out[look.number]

@@ -13,6 +13,7 @@ from vaultcad.find.recognise import Hypothesis, confidence
 from vaultcad.find.refine import Refined
 from vaultcad.fit.freedom import Demands
 from vaultcad.fit.solve import Placed
+from vaultcad.survey.springings import Springing
 from vaultcad.survey.thinned_scan import Site
 
 AS_LIKELY = 0.2  # of all families but the best, from which on the next is said
@@ -53,11 +54,17 @@ class Found:
         return f"{self.hypotheses[1].vault.called} is likely, too ({others[0]:.0%})"
 
 
-def likeliest_of(found: Found, demands: Demands, rng: np.random.Generator, known: Sequence[Choice] = ()) -> Found:
+def likeliest_of(
+    found: Found,
+    demands: Demands,
+    rng: np.random.Generator,
+    known: Sequence[Choice] = (),
+    springings: Sequence[Springing] = (),
+) -> Found:
     """The same vault with the arches and under the constraints with which it was most likely built.
 
-    known: what was likely where it looks alike.
+    known: what was likely where it looks alike. springings: of the arches in the scan.
     """
-    choices = weigh(found.refined, demands, rng, known)
+    choices = weigh(found.refined, demands, rng, known, springings)
     refined = likeliest(found.refined, choices, demands)
     return replace(found, refined=refined, tolerance=refined.tolerance, choices=choices)

@@ -7,6 +7,7 @@ which builders' practice says something beforehand.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, log, sqrt
 from typing import Self
@@ -14,6 +15,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from vaultcad.find.marks import Marks
 from vaultcad.find.practice import arch_of, beforehand
 from vaultcad.find.refine import WIDEST, Refined
 from vaultcad.fit.evidence import Evidence
@@ -29,6 +31,7 @@ from vaultcad.fit.settlement import (
 )
 from vaultcad.fit.solve import POSE, Placed, Solution
 from vaultcad.fit.uncertainty import slopes_of_sizes
+from vaultcad.survey.springings import Springing
 
 Array = NDArray[np.float64]
 
@@ -51,11 +54,24 @@ class Marginal:
     """What a fit says with each of h fields, of other lengths, strengths and roughnesses.
 
     likelihood: (h,) logarithms. shift: (h, u) means of the unknowns, from where the solution is. covariance: (h, u, u).
+    case: (h,) number of what marks are taken for.
     """
 
     likelihood: Array
     shift: Array
     covariance: Array
+    case: NDArray[np.int64]
+
+    def moments(self, means: Array, variances: Array) -> tuple[Array, Array]:
+        """Means (s,) and variances (s,) over all fields, from those (h, s) with each; means in the likeliest case.
+
+        Where the others would put them widens the variance alone: between two places there is nothing.
+        """
+        share = np.exp((self.likelihood - self.likelihood.max()) / DOUBT)
+        share /= share.sum()
+        likeliest = self.case == np.bincount(self.case, share).argmax()
+        mean = share[likeliest] @ means[likeliest] / share[likeliest].sum()
+        return mean, share @ (variances + (means - mean) ** 2)
 
 
 @dataclass(frozen=True)
@@ -76,9 +92,10 @@ class Field:
     unheard: NDArray[np.int64]
     tolerance: float
     scatter: float
+    marks: Marks
 
     @classmethod
-    def of(cls, refined: Refined, rng: np.random.Generator) -> Self | None:
+    def of(cls, refined: Refined, rng: np.random.Generator, springings: Sequence[Springing] = ()) -> Self | None:
         """With the points that a fit rests on and that lie near it, but for those near edges; None if few are left."""
         placed, whole = refined.placed, refined.evidence
         some = np.sort(rng.permutation(len(whole.points))[:CHOICE_POINTS])
@@ -94,12 +111,14 @@ class Field:
         if usable.sum() < ENOUGH:
             return None
         plan, rise = placed.vault.plan, placed.vault.derived_values()["rise"]
-        fields = smooth_fields(blocks.place[usable], blocks.normal[usable], plan, rise)
+        place, normal = blocks.place[usable], blocks.normal[usable]
+        fields = smooth_fields(place, normal, plan, rise)
         pairs = [np.linalg.eigh(field) for field in fields]
         values = tuple(np.maximum(pair[0], 0.0) for pair in pairs)
         vectors = tuple(pair[1] for pair in pairs)
         unheard = _mostly(components_at(placed, evidence.points, refined.tolerance), edge)
-        return cls(evidence, scale, blocks, usable, values, vectors, unheard, refined.tolerance, refined.scatter)
+        marks = Marks.of(springings, placed, place, normal, vectors, rise)
+        return cls(evidence, scale, blocks, usable, values, vectors, unheard, refined.tolerance, refined.scatter, marks)
 
     def near(self, solution: Solution) -> bool:
         """Whether a fit comes near all stone: what is far from it, no small change of its parameters would reach.
@@ -115,7 +134,7 @@ class Field:
     def log_likelihood(self, solution: Solution, told: Marginal) -> float:
         """Of a fit to this evidence, with its parameters within their ranges, up to a constant that all fits share."""
         spread = np.asarray(told.covariance.diagonal(axis1=1, axis2=2), np.float64)
-        mean, variance = _moments(told.likelihood, told.shift, spread)
+        mean, variance = told.moments(told.shift, spread)
         values, ranges = solution.placed.vault.values(), {p.name: p.range for p in solution.placed.vault.parameters()}
         precision, before = beforehand(solution)
         within = 0.0
@@ -143,7 +162,7 @@ class Field:
         slopes = slopes_of_sizes(solution) | dict(zip(POSE, np.eye(len(POSE), len(solution.names)), strict=True))
         rows = np.stack(list(slopes.values()))
         spread = ((rows @ told.covariance) * rows).sum(axis=2)
-        mean, variance = _moments(told.likelihood, told.shift @ rows.T, spread)
+        mean, variance = told.moments(told.shift @ rows.T, spread)
         return {
             name: (here[name] + float(mean[k]), sqrt(max(float(variance[k]), 0.0))) for k, name in enumerate(slopes)
         }
@@ -155,19 +174,28 @@ class Field:
         precision, mean = beforehand(solution)
         strengths, roughnesses = STRENGTHS[COARSE] ** 2, ROUGHNESSES[COARSE] ** 2
         found = []
-        for values, vectors, prior in zip(self.values, self.vectors, PRIOR[:, COARSE], strict=True):
+        for k, (values, vectors, prior) in enumerate(zip(self.values, self.vectors, PRIOR[:, COARSE], strict=True)):
             slopes, rest = vectors.T @ jacobian, vectors.T @ residual
             variance = (strengths[:, None, None] * values + roughnesses[:, None]).reshape(-1, len(rest))
             weight = 1 / variance
             squares = (slopes[:, :, None] * slopes[:, None, :]).reshape(len(rest), -1)
             inverse = (weight @ squares).reshape(len(weight), len(mean), len(mean)) + np.diag(precision)
             pull = precision * mean - weight @ (slopes * rest[:, None])
-            covariance = np.linalg.inv(inverse)
-            shift = (covariance @ pull[:, :, None])[:, :, 0]
-            misfit = weight @ rest**2 + precision @ mean**2 - (pull * shift).sum(axis=1)
-            volume = np.linalg.slogdet(inverse)[1] - np.log(precision).sum()
-            likelihood = -0.5 * (np.log(variance).sum(axis=1) + volume + misfit)
-            found.append((likelihood + np.repeat(prior, len(roughnesses)), shift, covariance))
+            misfit = weight @ rest**2 + precision @ mean**2 + np.log(variance).sum(axis=1)
+            strength = np.repeat(strengths, len(roughnesses))
+            off, moved, own = self.marks.left(k, solution, strength, weight, slopes, rest)
+            before = np.repeat(prior, len(roughnesses)) + 0.5 * np.log(precision).sum()
+            for case, (chance, apart) in enumerate(self.marks.cases()):
+                told = own + apart
+                informed = np.linalg.solve(told, np.concatenate([moved, off[:, :, None]], axis=2))
+                across = np.swapaxes(moved, 1, 2) @ informed
+                known, pulled = inverse + across[:, :, :-1], pull - across[:, :, -1]
+                covariance = np.linalg.inv(known)
+                shift = (covariance @ pulled[:, :, None])[:, :, 0]
+                volume = np.linalg.slogdet(known)[1] + np.linalg.slogdet(told)[1]
+                cost = misfit + (off * informed[:, :, -1]).sum(axis=1) - (pulled * shift).sum(axis=1)
+                likelihood = before + chance - 0.5 * (volume + cost)
+                found.append((likelihood, shift, covariance, np.full(len(shift), case)))
         return Marginal(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
 
 
@@ -198,14 +226,6 @@ def secants(solution: Solution, points: Array) -> Array:
         )
         out[:, k] = (more - less + (rises[1] - rises[0]) * solution.jacobian[:, 2]) / (ends[1] - ends[0])
     return out
-
-
-def _moments(likelihood: Array, means: Array, variances: Array) -> tuple[Array, Array]:
-    """Means (s,) and variances (s,) over all fields, from those (h, s) with each, of log likelihoods (h,)."""
-    share = np.exp((likelihood - likelihood.max()) / DOUBT)
-    share /= share.sum()
-    mean = share @ means
-    return mean, share @ (variances + (means - mean) ** 2)
 
 
 def _log_within(ends: Array, mean: float, variance: float) -> float:

@@ -115,8 +115,9 @@ def _told(row: Sequence[Found]) -> _Row | None:
     kinds = max(joint, key=lambda kinds: joint[kinds])
     own = [one for one in row if not one.shared]  # others have their sizes from these
     picked = [next((c for c in one.choices if c.kinds == kinds), None) for one in own]
-    shared = _shared([choice for choice in picked if choice is not None])
-    return _Row(joint, kinds, shared, _demandable(row[0].placed.vault) & shared.keys())
+    choices = [choice for choice in picked if choice is not None]
+    shared = _shared(choices)
+    return _Row(joint, kinds, shared, _demandable(choices[0].placed.vault) & shared.keys() if shared else frozenset())
 
 
 def shared_by(row: Sequence[Found]) -> Mapping[str, tuple[float, float]]:

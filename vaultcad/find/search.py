@@ -30,6 +30,7 @@ from vaultcad.fit.solve import Placed
 from vaultcad.survey.bay_arches import bay_of, without_arches
 from vaultcad.survey.bays import LEAST, CeilingGrid, Region
 from vaultcad.survey.imposts import within_imposts
+from vaultcad.survey.springings import Springing
 from vaultcad.survey.stretches import along_and_beyond
 from vaultcad.survey.thinned_scan import STEEP, Site, Thin, find_site
 
@@ -58,10 +59,11 @@ def under_one_ceiling(
     part: bool = False,
     single: bool = False,
     like: Found | None = None,
+    springings: Sequence[Springing] = (),
 ) -> tuple[Found, ...]:
     """The vaults of a scan, or of a part of it, that hang together; `like` is one from which it can begin.
 
-    single: whether it can be one vault alone, its bays having been tried.
+    single: whether it can be one vault alone, its bays having been tried. springings: of the arches in the scan.
 
     Raises:
         NoVaultError: there is none, or not one that agrees with that.
@@ -74,7 +76,7 @@ def under_one_ceiling(
         found = search.to_their_ends([*found, *search.arms(found, search.ceiling.whole)])
     if like and not agree(found, like):
         raise NoVaultError(f"no vault found: {like.placed.vault.called} hangs over what looks alike, but not here")
-    return tuple(likeliest_of(one, demands, rng, choices_like(like, one) if like else ()) for one in found)
+    return tuple(likeliest_of(one, demands, rng, choices_like(like, one) if like else (), springings) for one in found)
 
 
 @dataclass(frozen=True)

@@ -102,8 +102,10 @@ class Parting:
     hung: Patches
 
     def laid(self, xyz: NDArray[np.floating]) -> Laid:
-        """The points (n, 3) [m], as the parts ask for their own."""
+        """The points (n, 3) [m], as the parts and the ends of soffits ask for their own."""
         corners = np.array([ceiling.part.grid.bounds for ceiling in self.ceilings]).reshape(-1, 2, 2)
+        ends = [s.place + side * s.length for s in self.soffits for side in (-1, 1)]
+        corners = np.concatenate([corners, np.repeat(np.reshape(ends, (-1, 1, 2)), 2, axis=1)])
         low, high = corners[:, 0].min(axis=0, initial=np.inf), corners[:, 1].max(axis=0, initial=-np.inf)
         grid = PlanGrid.over(low, high, COARSE) if len(corners) else PlanGrid(np.zeros(2), COARSE, (0, 0))
         return Laid.over(grid, xyz)

@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from families import FAMILIES, Barrel, Segmental, Vault
+from families import FAMILIES, Barrel, Segmental, Semicircular, Vault
 from segmentation.cloud import Cloud
 from vaultcad.find import rows
 from vaultcad.find.found import Found
-from vaultcad.find.rows import _Row, learned
+from vaultcad.find.rows import _Row, learned, shared_by
 from vaultcad.find.search import under_one_ceiling
 from vaultcad.fit.demands import constraints_of
 from vaultcad.fit.freedom import NONE, Demands, decides
@@ -67,6 +67,18 @@ def test_what_follows_from_the_sizes_of_a_row_is_as_unsure_as_the_row_is_of_it()
     for name in ("span", "rise", "radius"):
         assert told[name].std == pytest.approx(one.shared[name][1])
         assert "row" in told[name].flags
+
+
+def test_a_corner_bay_with_other_arches_leaves_a_row_what_it_shares() -> None:
+    """What can be asked of a fit depends on the arches of the row, not on those of the first bay in it."""
+    cloud = Cloud(scan(Barrel(5.3, 4.0, Segmental(0.3)), SETTINGS, rng=np.random.default_rng(6)).xyz.astype(np.float32))
+    (found,) = under_one_ceiling(thin_scan(cloud), cloud.xyz, (Barrel,), np.random.default_rng(0), NONE)
+    bay = replace(found, choices=found.choices[:1])
+    round_one = found.placed.vault.with_arches({"profile": Semicircular()})
+    solution = replace(found.refined.solution, placed=replace(found.placed, vault=round_one))
+    other = replace(bay, refined=replace(found.refined, solution=solution))
+    shared = shared_by([other, *(_beside(bay, k) for k in (1, 2, 3))])
+    assert {"span", "rise"} <= shared.keys()
 
 
 def _beside(bay: Found, number: int) -> Found:
