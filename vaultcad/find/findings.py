@@ -180,7 +180,7 @@ def _looked_at_again(
             except NoVaultError:
                 return None
             before = out[look.number]
-            return look.taken(found[0], before) if all(as_near(found, one) for one in before) else None
+            return look.taken(found[0], before, demands) if all(as_near(found, one) for one in before) else None
 
         for look, found in zip(looks, spread(work, len(looks)), strict=True):
             if found is not None:

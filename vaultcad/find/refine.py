@@ -97,7 +97,7 @@ def refine(
         saved = len(less.solution.names) - len(more.solution.names)
         if saved:
             price = PAYS if constraint.rare else saved * log(INDEPENDENT)
-            best = less if fit.gain(more, less) > price else more
+            best = less if gain(fit.evidence, more, less) > price else more
     # What is reported are the deviations of the vault's points: walls only help, and what is seen well counts more.
     weights = np.where(site.weights < 1, WALLS, 1.0) * np.sqrt(site.counts)
     evidence = Evidence.draw(site, FIT_POINTS, rng, demands, weights=weights)
@@ -134,7 +134,11 @@ def _begun_again(one: Refined, site: Site, rng: np.random.Generator, demands: De
     for start in begun:
         trial = fit(start, kept)
         price = (len(trial.solution.names) - len(best.solution.names)) * log(INDEPENDENT)
-        if is_its_family(trial.placed.vault) and demands.met(trial.placed.vault) and fit.gain(best, trial) > price:
+        if (
+            is_its_family(trial.placed.vault)
+            and demands.met(trial.placed.vault)
+            and gain(fit.evidence, best, trial) > price
+        ):
             best = trial
     return best
 
@@ -164,11 +168,12 @@ class _Fit:
         loosest = self.demands.freedom(solution.placed.vault, [c for c in kept if c.rare])
         return Refined(solution, self.evidence, scatter, tuple(kept), loosest)
 
-    def gain(self, worse: Refined, better: Refined) -> float:
-        """How much more likely the second is, in the units of a score."""
-        scale = float(np.clip(4 * better.scatter, TIGHTEST, WIDEST))
-        costs = [self.evidence.cost(one.placed, scale) + FAINT for one in (worse, better)]  # no scan is exact
-        return INDEPENDENT * log(costs[0] / costs[1])
+
+def gain(evidence: Evidence, worse: Refined, better: Refined) -> float:
+    """How much more likely the second is, in the units of a score."""
+    scale = float(np.clip(4 * better.scatter, TIGHTEST, WIDEST))
+    costs = [evidence.cost(one.placed, scale) + FAINT for one in (worse, better)]  # no scan is exact
+    return INDEPENDENT * log(costs[0] / costs[1])
 
 
 def _scatter(solution: Solution, weights: Array) -> float:

@@ -67,7 +67,12 @@ class _Row:
     def fitted(self, one: Found, demands: Demands) -> Found:
         """A bay fitted again with what it shares; as it is where the stone says otherwise."""
         start, kept = self._start(one)
-        told = {name: told for name, told in self.shared.items() if name not in demands.sizes}
+        known = {name: std for name, (_, std) in one.shared.items()}  # of a bay that had a second look
+        told = {
+            name: (mean, max(std, known.get(name, 0.0)))
+            for name, (mean, std) in self.shared.items()
+            if name not in demands.sizes
+        }
         sizes = {name: mean for name, (mean, _) in told.items() if name in self.demanded}
         asked = replace(demands, sizes=sizes | dict(demands.sizes))
         if not sizes or not asked.suits(start.vault):
@@ -133,6 +138,12 @@ def _demandable(vault: Vault) -> frozenset[str]:
     return frozenset(lengths | {name for name, parameter in decides(type(vault)).items() if parameter in own})
 
 
+def lengths_of(vault: Vault) -> list[str]:
+    """All lengths of a vault that bays may have in common, by name."""
+    every = _demandable(vault) | {name for name, one in derived_declarations(type(vault)).items() if one.unit == "m"}
+    return sorted(name for name in every if not name.startswith("skew"))
+
+
 def rows_of(found: Sequence[Found]) -> list[list[int]]:
     """The numbers, from 0, of neighbours that may have been built alike, by rows and grids of two or more."""
     row = list(range(len(found)))
@@ -185,10 +196,8 @@ def _shared(choices: Sequence[Choice]) -> dict[str, tuple[float, float]]:
 
     if len(choices) < 2:
         return {}
-    vault = choices[0].placed.vault
-    lengths = _demandable(vault) | {name for name, one in derived_declarations(type(vault)).items() if one.unit == "m"}
     found = {}
-    for name in sorted(name for name in lengths if not name.startswith("skew")):
+    for name in lengths_of(choices[0].placed.vault):
         told = [choice.sizes[name] for choice in choices if name in choice.sizes]
         if len(told) < len(choices):
             continue

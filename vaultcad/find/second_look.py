@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import log
+from math import hypot, log
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.find.found import Found
 from vaultcad.find.recognise import Hypothesis
-from vaultcad.find.rows import APART, OUT_OF_LINE, rows_of, shared_by
+from vaultcad.find.refine import Refined, gain, settled
+from vaultcad.find.rows import APART, OUT_OF_LINE, lengths_of, rows_of, shared_by
+from vaultcad.fit.evidence import INDEPENDENT
+from vaultcad.fit.freedom import Demands
 from vaultcad.survey.parting import Ceiling
 
 Array = NDArray[np.float64]
@@ -32,10 +35,10 @@ class SecondLook:
     beside: Found
     shared: Mapping[str, tuple[float, float]]
 
-    def taken(self, found: Found, odd: Sequence[Found]) -> Found:
+    def taken(self, found: Found, odd: Sequence[Found], demands: Demands) -> Found:
         """What was found as a bay of the row: no surer than its own stone, or else the bay beside it, tells.
 
-        odd: what was found before, if anything was.
+        odd: what was found before, if anything was. demands: of the user.
         """
         if odd:
             own = _of_row(odd[0], self.beside)
@@ -44,7 +47,22 @@ class SecondLook:
         else:
             chosen, known = [found.hypotheses[0]], self.beside.hypotheses
             others = [replace(h, score=chosen[0].score + h.score - known[0].score) for h in known[1:]]
-        return replace(found, hypotheses=(*chosen, *others), shared=self.shared)
+        return replace(found, hypotheses=(*chosen, *others), shared=self._borne_out(found.refined, demands))
+
+    def _borne_out(self, held: Refined, demands: Demands) -> Mapping[str, tuple[float, float]]:
+        """The sizes of the row: less sure by what they are off where the stone of the bay is clearly for others."""
+        free = settled(held.placed, held.kept, held.evidence, held.scatter, demands)
+        if gain(held.evidence, held, free) < len(self.shared) * log(INDEPENDENT):
+            return self.shared
+        own, mine = _lengths(held), _lengths(free)
+        off = {name: abs(mine[name] - own[name]) for name in lengths_of(held.placed.vault) if name in mine}
+        known = {name: (own[name], 0.0) for name in off} | dict(self.shared)
+        return {name: (mean, hypot(std, off.get(name, 0.0))) for name, (mean, std) in known.items()}
+
+
+def _lengths(refined: Refined) -> dict[str, float]:
+    vault = refined.placed.vault
+    return {**vault.values(), **vault.derived_values()}
 
 
 def second_looks(ceilings: Sequence[Ceiling], found: Sequence[Sequence[Found]]) -> list[SecondLook]:
