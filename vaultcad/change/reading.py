@@ -41,6 +41,7 @@ LIKELY_FADING = 0.05  # chance of a way in which walls fade, below which it does
 CAUTION = (
     "A scan shows where the stone stands, not how it came there: what looks like a movement may have been built so.",
     "A settlement of all supports alike, walls that moved bodily, and motion along the surface cannot be seen.",
+    "A crown that has cracked, and sunk as two halves that turn, can be read by 4 mm in 30 too little.",
     "When it moved, and whether it still moves, only a second scan tells.",
 )
 
