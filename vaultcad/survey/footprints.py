@@ -24,7 +24,7 @@ LOOKED_AT, PAIRS = 4000, 300  # points, and pairs of their normals that are trie
 AIM = 0.08  # rad by which normals may miss the axis
 FARTHEST = 1.5  # half diagonals of the plan that the axis may be away from its middle
 TURNED = 0.5  # share of a ceiling's normals that must point to the axis
-EVEN = 1.15  # how much farther the rim may be in some directions than in others
+EVEN, ROUND = 0.04, 0.6  # of its middle, how much farther or nearer the rim may be; in what share of the directions
 WHOLE, HALF = np.radians(75.0), np.radians([110.0, 250.0])  # missing of a disc at the most; of a half disc
 RING = np.radians(12.0)  # missing of a ring that is whole
 HOLE, FULL = 0.1, 0.45  # inner / outer radius from which on there may be a hole, and may be no disc
@@ -112,11 +112,11 @@ def _turned(xy: Array, facing: Array, ceiling: NDArray[np.bool_], hung: Array) -
     if aimed[ceiling].mean() < TURNED:
         return
     reach, angle, ceiling = reach[aimed], angle[aimed], ceiling[aimed]
-    outer, inner = np.quantile(reach, 0.98), np.quantile(np.linalg.norm(hung - axis, axis=1), 0.01)
     rim = _rim(reach, angle)
-    if np.quantile(rim, 0.8) > EVEN * np.quantile(rim, 0.2):
+    outer, inner = np.median(rim), np.quantile(np.linalg.norm(hung - axis, axis=1), 0.01)
+    if (np.abs(np.log(rim / outer)) < EVEN).mean() < ROUND:  # reveals of windows go farther
         return
-    middle, gap = _gap(angle[ceiling])
+    middle, gap = _gap(angle[ceiling & (reach > FULL * outer)])
     hole, yaw = float(inner / outer), float(np.remainder(middle + 1.5 * pi, 2 * pi)) - pi  # the gap is to the south
     x, y, span = float(axis[0]), float(axis[1]), float(2 * outer)
     if gap < WHOLE and hole < FULL:
@@ -230,6 +230,8 @@ def _waves(away: Array) -> tuple[int, float, float]:
     ring = np.digitize(reach, edges := RINGS * np.quantile(reach, 0.95))
     seen = [k for k in range(1, len(RINGS)) if (ring == k).any()]
     looked = (ring > 0) & (ring < len(RINGS))
+    if not seen:  # all of it lies about its rim
+        return 1, 0.0, 0.0
     usual = [np.median(height[ring == k]) for k in seen]
     off = height[looked] - np.interp(reach[looked], [edges[k - 1 : k + 1].mean() for k in seen], usual)
     most = FAR_OFF * np.median(np.abs(off))

@@ -23,7 +23,7 @@ from families import (
     Trough,
     Vault,
 )
-from families.declaration.footprint import DISC, HALF_DISC, POLYGON, SECTOR
+from families.declaration.footprint import DISC, GORED, HALF_DISC, POLYGON, SECTOR
 from segmentation import compare
 from segmentation.cloud import Cloud
 from vaultcad.find.findings import find_vaults
@@ -31,8 +31,9 @@ from vaultcad.fit.label import label
 from vaultcad.pipeline import FitSettings, fit_scan
 from vaultcad.pose import Pose
 from vaultcad.scanner import ScannerSettings, VirtualScan, scan
+from vaultcad.survey.footprints import grounds_of
 from vaultcad.survey.lean import lean_of
-from vaultcad.survey.thinned_scan import Site, survey, thin_scan
+from vaultcad.survey.thinned_scan import STEEP, Site, survey, thin_scan
 
 YAW = 0.4
 SETTINGS = ScannerSettings(points=50_000, stations=2, noise=0.003, settlement=0.02, yaw=YAW)
@@ -108,6 +109,24 @@ def test_a_vault_over_other_ground_is_recognised(vault: Vault, settings: Scanner
     labels = label(xyz, [(found.placed, found.tolerance)])
     assert compare(labels.component, virtual.component).mean_iou > 0.95
     assert fitted.values() == pytest.approx(vault.values(), abs=0.06)
+
+
+@pytest.mark.parametrize("seed", [4, 5])
+def test_deep_windows_in_a_small_apse_do_not_hide_that_it_is_round(seed: int) -> None:
+    """Their reveals go a seventh of the radius farther, in a third of all directions."""
+    vault = Conch(1.9, profile=Segmental(0.33))
+    settings = replace(SETTINGS, openings=4, walls="walls", points=80_000)
+    scanned_ = scan(vault, settings, rng=np.random.default_rng(seed))
+    (ground,) = survey(Cloud(scanned_.xyz.astype(np.float32))).grounds[HALF_DISC]
+    assert ground.footprint.span_x == pytest.approx(3.8, abs=0.08)
+
+
+def test_stone_about_a_rim_alone_has_no_waves() -> None:
+    """A room of which little but a rim was left stopped a fit with numpy's own words."""
+    angle = np.random.default_rng(1).uniform(0, 2 * np.pi, 2000)
+    rim = np.column_stack([3 * np.cos(angle), 3 * np.sin(angle), np.full(2000, 2.0)])
+    slanting = np.column_stack([np.cos(angle), np.sin(angle), np.ones(2000)]) / np.sqrt(2)
+    assert GORED not in grounds_of(rim, slanting, STEEP)
 
 
 @pytest.mark.parametrize("vault", [Trough(), Annular(5.5, 0.5, 2.3)], ids=lambda vault: vault.id)
