@@ -51,6 +51,8 @@ class SecondLook:
 
     def _borne_out(self, held: Refined, demands: Demands) -> Mapping[str, tuple[float, float]]:
         """The sizes of the row: less sure by what they are off where the stone of the bay is clearly for others."""
+        if not self.shared:
+            return self.shared
         free = settled(held.placed, held.kept, held.evidence, held.scatter, demands)
         if gain(held.evidence, held, free) < len(self.shared) * log(INDEPENDENT):
             return self.shared

@@ -113,9 +113,11 @@ def _turned(xy: Array, facing: Array, ceiling: NDArray[np.bool_], hung: Array) -
         return
     reach, angle, ceiling = reach[aimed], angle[aimed], ceiling[aimed]
     rim = _rim(reach, angle)
-    outer, inner = np.median(rim), np.quantile(np.linalg.norm(hung - axis, axis=1), 0.01)
-    if (np.abs(np.log(rim / outer)) < EVEN).mean() < ROUND:  # reveals of windows go farther
+    usual = np.median(rim)
+    if (np.abs(np.log(rim / usual)) < EVEN).mean() < ROUND:  # reveals of windows go farther
         return
+    outer = np.quantile(reach[reach < (1 + EVEN) * usual], 0.98)
+    inner = np.quantile(np.linalg.norm(hung - axis, axis=1), 0.01)
     middle, gap = _gap(angle[ceiling & (reach > FULL * outer)])
     hole, yaw = float(inner / outer), float(np.remainder(middle + 1.5 * pi, 2 * pi)) - pi  # the gap is to the south
     x, y, span = float(axis[0]), float(axis[1]), float(2 * outer)
