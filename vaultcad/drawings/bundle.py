@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import partial
 from pathlib import Path
 
 from vaultcad.drawings.building_sheet import building_sheets
@@ -12,7 +11,6 @@ from vaultcad.drawings.paper import write_pdf, write_svg
 from vaultcad.drawings.sheet import Sheet, Wish
 from vaultcad.drawings.vault_sheet import vault_sheet
 from vaultcad.model import Model
-from vaultcad.processes import spread
 from vaultcad.sections.section import Section
 
 CAD, PAGES = "drawings.dxf", "drawings.pdf"
@@ -43,10 +41,10 @@ def _sheets(model: Model, wish: Wish, vaults: Sequence[int], sections: Sequence[
 
 def write_drawings(made: Sequence[Sheet], place: str, folder: Path) -> None:
     """Write one DXF and one PDF of all sheets, and an SVG of each, into a folder that exists."""
-    pages = [partial(write_svg, sheet, folder / svg_name(sheet)) for sheet in made]
-    writers = [partial(write_pdf, made, folder / PAGES), partial(write_dxf, made, folder / CAD, place), *pages]
-    for _ in spread(lambda k: writers[k](), len(writers)):
-        pass
+    write_dxf(made, folder / CAD, place)
+    write_pdf(made, folder / PAGES)
+    for sheet in made:
+        write_svg(sheet, folder / svg_name(sheet))
 
 
 def svg_name(sheet: Sheet) -> str:

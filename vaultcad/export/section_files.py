@@ -11,7 +11,6 @@ from vaultcad.export.section_drawing import section_drawing
 from vaultcad.export.section_dxf import write_section_dxf
 from vaultcad.export.section_json import write_section_json
 from vaultcad.model import Model
-from vaultcad.processes import spread
 from vaultcad.sections.section import Section
 
 SECTIONS = "sections.json"
@@ -32,14 +31,9 @@ def drawn_names(sections: Sequence[Section], suffix: str) -> list[str]:
 
 def write_drawings(sections: Sequence[Section], folder: Path, *, pictures: bool) -> None:
     """Write each section as SVG, and as PNG too where pictures are wanted."""
-    svgs, pngs = (drawn_names(sections, suffix) for suffix in (".svg", ".png"))
-
-    def draw(k: int) -> None:
-        drawing = section_drawing(sections[k])
-        (folder / svgs[k]).write_text(document(drawing, PIXELS), encoding="utf-8")
+    for section, svg, png in zip(sections, drawn_names(sections, ".svg"), drawn_names(sections, ".png"), strict=True):
+        drawing = section_drawing(section)
+        (folder / svg).write_text(document(drawing, PIXELS), encoding="utf-8")
         if pictures:
             size = (PIXELS * drawing.size[0] / INCH, PIXELS * drawing.size[1] / INCH)
-            write_png(drawing, folder / pngs[k], size, INCH, top=UNDER_TITLE, look={})
-
-    for _ in spread(draw, len(sections)):
-        pass
+            write_png(drawing, folder / png, size, INCH, top=UNDER_TITLE, look={})

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator, Sequence
 from math import nan
 
 import numpy as np
@@ -15,7 +14,6 @@ from vaultcad.labelled_scan import LabelledScan
 from vaultcad.measure.deviation import summarise
 from vaultcad.model import FittedVault
 from vaultcad.one_thread import one_thread
-from vaultcad.processes import spread
 from vaultcad.sections.cut import displaced, in_slab, profile, stations, wall_stations
 from vaultcad.sections.guide import guides, wall_guide
 from vaultcad.sections.parts import measured
@@ -63,22 +61,22 @@ def sections(
     if vault is not None:
         model.check_number(vault)
     local = [(x - float(model.origin[0]), y - float(model.origin[1]), azimuth) for x, y, azimuth in planes]
-    cuts: list[Cut] = []
+    found: list[Section] = []
     for number, fitted in enumerate(model.vaults, 1):
         if vault in (None, number):
             asked = (*given(fitted, local), *(planes_every(fitted.vault, every) if every is not None else ()))
             chosen = asked if planes or every is not None else genesis_planes(fitted.vault)
-            cuts += _cuts(scan, fitted, scan.of(number), chosen, f"v{number}", (number, 0), slab, grid)
+            found += _cuts(scan, fitted, scan.of(number), chosen, f"v{number}", (number, 0), slab, grid)
     for number, arch in enumerate(model.arches, 1):
         if vault is None and not planes and every is None:
             first = genesis_planes(arch.vault)[:1]
             mine = np.flatnonzero(scan.arch == number)
-            cuts += _cuts(scan, arch, mine, first, f"a{number}", (0, number), slab, grid)
-    if not cuts:
+            found += _cuts(scan, arch, mine, first, f"a{number}", (0, number), slab, grid)
+    if not found:
         told = "; ".join(f"{x:g},{y:g}" for x, y, _ in planes)
         asked_for = f"planes through {told}" if planes else "the planes that are asked for"
         raise VaultcadError(f"{asked_for}: meet no vault; give places within one, in the scan's coordinates")
-    return tuple(spread(lambda k: cuts[k](), len(cuts)))
+    return tuple(found)
 
 
 def _cuts(
@@ -90,7 +88,7 @@ def _cuts(
     number: tuple[int, int],
     slab: float,
     grid: float,
-) -> Iterator[Cut]:
+) -> Iterator[Section]:
     frame, own = fitted.pose.frame(), scan.xyz[mine]
     placement = fitted.pose.placement()
     placement[:3, 3] += scan.model.origin
@@ -99,20 +97,17 @@ def _cuts(
     for plane in planes:
         told = (f"{name}-{plane.name.replace(' ', '-')}", *number, plane, placement, slab, grid)
         if isinstance(plane.cut, Level):
-            yield partial(_level, scan, fitted, plane.cut, frame, told)
+            yield _level(scan, fitted, plane.cut, frame, told)
         else:
-            yield partial(_upright, fitted, plane.cut, own, frame, told, foot)
+            near = own[in_slab(own, frame, plane.cut, slab)]
+            yield _upright(fitted, plane.cut, near @ frame[:, :3].T + frame[:, 3], told, foot)
 
 
-Cut = Callable[[], Section]
 Told = tuple[str, int, int, SectionPlane, Floats, float, float]
 
 
-def _upright(
-    fitted: FittedVault, cut: Upright, own: NDArray[np.floating], frame: Floats, told: Told, foot: float
-) -> Section:
-    vault, (slab, grid) = fitted.vault, told[-2:]
-    points = own[in_slab(own, frame, cut, slab)] @ frame[:, :3].T + frame[:, 3]
+def _upright(fitted: FittedVault, cut: Upright, points: Floats, told: Told, foot: float) -> Section:
+    vault, grid = fitted.vault, told[-1]
     lines, along = guides(vault, cut)
     runs: list[ProfileRun] = []
     arches: list[SectionArch] = []

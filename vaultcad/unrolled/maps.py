@@ -12,11 +12,10 @@ from families.unrolled.gores import MOST_DISTORTED
 from families.unrolled.sheet import Leaf, Sheet
 from vaultcad.labelled_scan import LabelledScan
 from vaultcad.one_thread import one_thread
-from vaultcad.processes import spread
 from vaultcad.unrolled.contours import Contour, contours
 from vaultcad.unrolled.drawn_lines import write_sheet
 from vaultcad.unrolled.pictures import MEASURED, write_picture, write_values
-from vaultcad.unrolled.raster import WHAT, Raster, lay_scan, pixel_for, raster
+from vaultcad.unrolled.raster import WHAT, lay_scan, pixel_for, raster
 
 UNROLLED = "unrolled.json"
 SCHEMA = 1
@@ -50,55 +49,38 @@ def write_maps(
         ExportError: a sheet would have too many pixels.
         OSError: a file cannot be written.
     """
-    chosen = [*(numbers or range(1, len(scan.model.vaults) + 1))]
-    for number in chosen:
-        scan.model.check_number(number)
     notes: list[str] = []
     told: list[dict[str, Any]] = []
-    every = spread(lambda k: _write_vault(scan, chosen[k], folder, pixel, what), len(chosen))
-    for number in chosen:
+    for number in numbers or range(1, len(scan.model.vaults) + 1):
+        scan.model.check_number(number)
         progress(f"vault {number}")
-        more, sheet = next(every)
-        notes += more
-        told.append(sheet)
+        laid = lay_scan(scan, number)
+        # Lines of both are drawn whatever pictures are asked for.
+        chosen = [name for name in WHAT if name in {*what, *MEASURED}]
+        found = raster(laid, pixel or pixel_for(laid), chosen)
+        up = float(scan.model.origin[2])
+        raised = {"height": up}
+        lines: list[Contour] = []
+        files = []
+        for name in chosen:
+            if name not in found.channels:
+                notes.append(f"vault {number}: the scan has no {name}")
+                continue
+            if name in what:
+                path = folder / f"vault-{number}-{name}.png"
+                write_picture(found, name, path)
+                files += [path.name, path.with_suffix(".pgw").name]
+                if name in MEASURED:
+                    write_values(found, name, path.with_suffix(".tif"), raised.get(name, 0.0))
+                    files.append(path.with_suffix(".tif").name)
+            if name in MEASURED:
+                lines += contours(found, name, raised.get(name, 0.0))
+        write_sheet(laid.sheet, lines, folder / f"vault-{number}.dxf", f"unrolled sheet of vault {number}")
+        files.append(f"vault-{number}.dxf")
+        told.append({"vault": number, "pixel": found.pixel, "files": files, **plain_sheet(laid.sheet)})
     whole = {"schema": SCHEMA, "about": ABOUT, "unit": "m", "sheets": told}
     (folder / UNROLLED).write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
     return Written(tuple(notes), tuple(told))
-
-
-def _write_vault(
-    scan: LabelledScan, number: int, folder: Path, pixel: float | None, what: Collection[str]
-) -> tuple[list[str], dict[str, Any]]:
-    """Write the maps of one; what could not be made, and what was."""
-    laid = lay_scan(scan, number)
-    # Lines of both are drawn whatever pictures are asked for.
-    chosen = [name for name in WHAT if name in {*what, *MEASURED}]
-    found = raster(laid, pixel or pixel_for(laid), chosen)
-    there = [name for name in chosen if name in found.channels]
-    raised = {"height": float(scan.model.origin[2])}
-
-    def write(k: int) -> tuple[list[str], list[Contour]]:
-        name = there[k]
-        up = raised.get(name, 0.0)
-        files = _write_channel(found, name, folder / f"vault-{number}-{name}.png", up) if name in what else []
-        return files, contours(found, name, up) if name in MEASURED else []
-
-    written = list(spread(write, len(there)))
-    lines = [line for _, drawn in written for line in drawn]
-    write_sheet(laid.sheet, lines, folder / f"vault-{number}.dxf", f"unrolled sheet of vault {number}")
-    files = [*(name for names, _ in written for name in names), f"vault-{number}.dxf"]
-    notes = [f"vault {number}: the scan has no {name}" for name in chosen if name not in there]
-    return notes, {"vault": number, "pixel": found.pixel, "files": files, **plain_sheet(laid.sheet)}
-
-
-def _write_channel(found: Raster, name: str, path: Path, raised: float) -> list[str]:
-    """Write the picture of a channel, and what is measured as values, too, `raised` added [m]; the files' names."""
-    write_picture(found, name, path)
-    files = [path.name, path.with_suffix(".pgw").name]
-    if name in MEASURED:
-        write_values(found, name, path.with_suffix(".tif"), raised)
-        files.append(path.with_suffix(".tif").name)
-    return files
 
 
 def plain_sheet(sheet: Sheet) -> dict[str, Any]:
