@@ -37,9 +37,9 @@ class Stone:
 
     moved: (b, k) by how much each shape moves each block along its normals, usable or not: a mean over its points, for
     walls fade within a block or two. parts: (k,) whose each shape is. fadings: the shapes (k,) of each way in which
-    walls may fade. calmer: (n,) what is to be added to the deviations of the points that the fit
-    rests on [m] to have those of all the site's points about each. strange: share (0 to 1) of the vault's stone that
-    was left out, as nothing explains it; astray: by how much it is off what does, root mean square [m].
+    walls may fade. calmer: (n,) what is to be added to the deviations of the points that the fit rests on [m] to have
+    those of all the site's points about each. strange: share (0 to 1) of the vault's stone that was left out, as
+    nothing explains it; astray: by how much it is off what does, root mean square [m].
     """
 
     refined: Refined

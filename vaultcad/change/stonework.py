@@ -1,7 +1,7 @@
 """What all points of a site say of places on a vault, of which a fit rests on some.
 
-Each has all the noise of the scan. How far stone is off a vault that fits it changes
-little within a decimetre, so that the median of all points about a place tells it with a fraction of that noise.
+Each has all the noise of the scan. How far stone is off a vault that fits it changes little within a decimetre, so that
+the median of all points about a place tells it with a fraction of that noise.
 """
 
 from __future__ import annotations
