@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from segmentation.io.whole import writing
 from vaultcad.export.buildable import buildable
 from vaultcad.export.dxf import write_dxf
-from vaultcad.export.folder import REPORT, check_target, replacing_folder
+from vaultcad.export.folder import check_target, replacing_folder
 from vaultcad.export.glb import write_glb
 from vaultcad.export.ifc import write_ifc
+from vaultcad.export.marker import REPORT
 from vaultcad.export.report_html import write_report_html
 from vaultcad.export.report_json import write_report_json
 from vaultcad.export.review import write_review

@@ -15,7 +15,7 @@ from vaultcad.cli import main
 from vaultcad.cli.fit import STAGES
 from vaultcad.drawings.bundle import CAD, PAGES
 from vaultcad.export.bundle import REVIEW, WRITERS
-from vaultcad.export.folder import MARKER
+from vaultcad.export.marker import MARKER
 from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.scanner import read_truth
 
