@@ -28,6 +28,7 @@ from vaultcad.export.world import write_world
 from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.model import Model
 from vaultcad.model_file import MODEL, write_model
+from vaultcad.one_thread import one_thread
 from vaultcad.processes import beside
 
 PAGE = "report.html"
@@ -55,6 +56,7 @@ class Written(NamedTuple):
     kept: Path | None
 
 
+@one_thread
 def write_all(
     model: Model,
     out: Path,
