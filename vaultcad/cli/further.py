@@ -32,15 +32,13 @@ class Asked(NamedTuple):
 
 @dataclass(frozen=True)
 class Further:
-    """Free surfaces with nets of so many metres, or none; sections; maps of the unrolled intrados; sheets to scale; a
-    cloud in colours of a format, or none.
-    """
+    """What is asked for."""
 
-    net: float | None
+    net: float | None  # m, of free surfaces
     sections: bool
     unrolled: bool
     drawings: bool
-    coloured: str | None
+    coloured: str | None  # the format of a cloud
 
     @property
     def names(self) -> tuple[str, ...]:

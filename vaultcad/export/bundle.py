@@ -104,9 +104,8 @@ def write_all(
         if points is None or component is None or deviation is None:
             raise ValueError("a review shows points; give points, component and deviation, or leave review out")
         writers[REVIEW] = partial(write_review, points=points, component=component, deviation=deviation, vault=vault)
-    check_target(
-        out, [*writers, *more, *sheets, SEGMENTS], force=True
-    )  # what would be lost is kept: the work is done by now
+    # What would be lost is kept: the work is done by now.
+    check_target(out, [*writers, *more, *sheets, SEGMENTS], force=True)
 
     def bodies(tell: Callable[[str], None]) -> Model:
         tell("model.step")
@@ -136,7 +135,7 @@ def write_all(
     # would wait without end for its threads, which stay here.
     with (
         replacing_folder(out, force=force) as place,
-        beside(bodies, long=model.points > MANY) as drawn,
+        beside(bodies, long=model.points > MANY or bool(more)) as drawn,
         ThreadPoolExecutor(1) as packer,
     ):
         labelled = packer.submit(segments, place.part / SEGMENTS)
