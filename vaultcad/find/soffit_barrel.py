@@ -20,6 +20,7 @@ from vaultcad.errors import NoVaultError
 from vaultcad.find.choices import Choice
 from vaultcad.find.found import Found, likeliest_of
 from vaultcad.find.likeness import agree, choices_like, starts_like
+from vaultcad.find.misfit import SURELY_OTHER, Misfit
 from vaultcad.find.practice import PRACTICE
 from vaultcad.find.recognise import recognise
 from vaultcad.find.refine import refine
@@ -40,6 +41,7 @@ SETTLED = 0.012  # m by which feet have moved since they were built, up or apart
 LONGER = 0.6  # m by which an arch may be longer than what is seen of its soffit
 BEND = 0.045, 0.025  # of its radius, by which a foot is seen too high where there is no crease, and its deviation
 CREASED = 0.12  # of its radius that a foot is above the centre of a segment, from which on there is one
+ODD, GUESS = 0.02, 3.0  # m that stone scatters about an arch of another kind, and times by which sizes may be off then
 WORSE = 1.3, 1e-3  # times, and m, by which its stone may scatter more if it springs from its feet
 LEVELLED = "z", "rise"  # what is as unsure as the level of the springing
 
@@ -55,9 +57,18 @@ def fitted_soffit(
     demands = Demands(sizes={"length": soffit.width, "slope": 0.0, "splay": 0.0}, pose={"yaw": soffit.yaw})
     sprung = _sprung(soffit, thin, rng.spawn(1)[0], demands, like, feet)
     if sprung is not None and _height_in_circle(sprung) > CREASED:
-        return sprung
+        return _odd(sprung)
     free = replace(_begun(_site(soffit, thin), rng, demands, like, feet), told={"span": SETTLED})
-    return free if sprung is None else _either(free, sprung)
+    return _odd(free if sprung is None else _either(free, sprung))
+
+
+def _odd(found: Found) -> Found:
+    """The same; where its stone is far off all kinds of arches, that is said, and where it springs is a guess."""
+    scatter = found.refined.scatter
+    if scatter < ODD:
+        return found
+    told = {name: max(found.told.get(name, 0.0), GUESS * scatter) for name in ("z", "span")}
+    return replace(found, misfit=Misfit(SURELY_OTHER, scatter), told=told)
 
 
 def _sprung(
@@ -111,7 +122,7 @@ def _level_of(feet: Sequence[Springing]) -> tuple[float, float] | None:
 
 def _is_sprung(found: Found) -> bool:
     """Whether it was held to the level of its feet."""
-    return "z" in found.told
+    return "z" in found.refined.solution.free.pose
 
 
 def _unsure(found: Found, std: float) -> dict[str, float]:
