@@ -127,7 +127,7 @@ def _told(found: Sequence[Found], row: Row) -> list[_Agreed | None]:
     can = _demandable(vault)
     for name in lengths_of(vault):
         asked = [k for k in range(len(bays)) if name not in own.get(k, ())]
-        telling = [k for k in asked if k in told]
+        telling = [k for k in asked if name in told.get(k, {})]
         agreed = _agreed([told[k][name] for k in telling], tested=name in can)
         if agreed is not None:
             middle, std, agreeing = agreed
@@ -187,7 +187,7 @@ def _sizes(one: Found, kinds: Kinds) -> Mapping[str, tuple[float, float]]:
     fitted = one.placed.vault if kinds_of(one.placed.vault) == kinds else choice.placed.vault
     values = fitted.values()
     plan = along(fitted, 0) | along(fitted, 1)
-    return {**choice.sizes, **{name: (values[name], choice.sizes[name][1]) for name in plan}}
+    return {**choice.sizes, **{name: (values[name], choice.sizes[name][1]) for name in plan & choice.sizes.keys()}}
 
 
 def _agreed(told: Sequence[tuple[float, float]], *, tested: bool) -> tuple[float, float, NDArray[np.bool_]] | None:
