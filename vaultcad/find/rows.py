@@ -21,7 +21,7 @@ from families.declaration.parameters import derived_declarations
 from families.declaration.profiles import as_kind
 from vaultcad.find.choices import Choice
 from vaultcad.find.found import Found
-from vaultcad.find.neighbours import Row, along, faced, rows_of
+from vaultcad.find.neighbours import SPRINGING, Row, along, faced, rows_of
 from vaultcad.find.recognise import Kinds, kinds_of
 from vaultcad.find.refine import settled
 from vaultcad.fit.freedom import BAYS, Demands, decides
@@ -40,7 +40,8 @@ def learned(found: Sequence[Found], demands: Demands) -> tuple[Found, ...]:
     if BAYS.name in demands.freed:
         return tuple(found)
     out = faced(found, demands)
-    told = {k: agreed for row in rows_of(out) for k, agreed in zip(row.bays, _told(out, row), strict=True)}
+    rows = rows_of(out)
+    told = {k: agreed for row in rows for k, agreed in zip(row.bays, _told(out, row, rows), strict=True)}
     numbers = [k for k, agreed in told.items() if agreed is not None]
 
     def work(n: int) -> Found:
@@ -113,8 +114,11 @@ def _share_near(placed: Placed, one: Found) -> float:
     return float(evidence.weights @ near / max(evidence.weights.sum(), 1e-12))
 
 
-def _told(found: Sequence[Found], row: Row) -> list[_Agreed | None]:
-    """What each bay of a row has in common with it; None if nobody knows their arches."""
+def _told(found: Sequence[Found], row: Row, rows: Sequence[Row] = ()) -> list[_Agreed | None]:
+    """What each bay of a row has in common with it; None if nobody knows their arches.
+
+    rows: all of the scan. What was built as high, as the other aisle or the next wing, tells heights as well.
+    """
     bays = [found[k] for k in row.bays]
     joint = _joint(bays)
     if not joint:
@@ -124,17 +128,30 @@ def _told(found: Sequence[Found], row: Row) -> list[_Agreed | None]:
     vault = next(choice for one in bays for choice in one.choices if choice.kinds == kinds).placed.vault
     own = {k: along(bays[k].placed.vault, row.corners[n]) for k, n in enumerate(row.bays) if n in row.corners}
     shared: list[dict[str, tuple[float, float]]] = [{} for _ in bays]
-    can = _demandable(vault)
+    can, plan = _demandable(vault), along(vault, 0) | along(vault, 1)
+    level = [_sizes(found[k], kinds) for other in rows if _is_as_high(found, row, other) for k in other.bays]
     for name in lengths_of(vault):
         asked = [k for k in range(len(bays)) if name not in own.get(k, ())]
         telling = [k for k in asked if name in told.get(k, {})]
-        agreed = _agreed([told[k][name] for k in telling], tested=name in can)
+        mine = [told[k][name] for k in telling]
+        agreed = _agreed(mine, tested=name in can)
         if agreed is not None:
             middle, std, agreeing = agreed
+            more = [sizes[name] for sizes in level if name in sizes] if name not in plan else []
+            every = _agreed([*mine, *more], tested=name in can)
+            if more and every is not None and every[2].all():
+                middle, std, _ = every
             apart = {telling[n] for n in np.flatnonzero(~agreeing)}
             for k in set(asked) - apart:
                 shared[k][name] = middle, std
-    return [_Agreed(joint, kinds, mine, can & mine.keys()) for mine in shared]
+    return [_Agreed(joint, kinds, sizes, can & sizes.keys()) for sizes in shared]
+
+
+def _is_as_high(found: Sequence[Found], row: Row, other: Row) -> bool:
+    """Whether another row is of the same family, and springs from the same level."""
+    one, two = (found[of.bays[0]].placed for of in (row, other))
+    levels = [float(np.median([found[k].placed.pose.z for k in of.bays])) for of in (row, other)]
+    return other != row and type(one.vault) is type(two.vault) and abs(levels[0] - levels[1]) < SPRINGING
 
 
 def shared_by(found: Sequence[Found], row: Row) -> Mapping[str, tuple[float, float]]:

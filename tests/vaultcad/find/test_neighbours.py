@@ -10,11 +10,12 @@ import pytest
 
 from families import Barrel, Groin, Sail, Segmental, Vault
 from tests.vaultcad.find.test_likeness import found, site
+from vaultcad.find import rows
 from vaultcad.find.choices import Choice
 from vaultcad.find.found import Found
 from vaultcad.find.neighbours import along, faced, rows_of
 from vaultcad.find.refine import settled
-from vaultcad.find.rows import shared_by
+from vaultcad.find.rows import learned, shared_by
 from vaultcad.fit.evidence import Evidence
 from vaultcad.fit.freedom import NONE
 from vaultcad.fit.solve import Placed
@@ -89,3 +90,19 @@ def test_a_barrel_at_right_angles_is_no_bay_of_a_row() -> None:
 def test_what_makes_a_plan_longer_is_told_by_the_plan_itself() -> None:
     assert along(Groin(3.0, 4.0), 0) == {"span_x"}
     assert along(Barrel(3.0, 4.0), 1) == {"length"}
+
+
+def test_what_was_built_as_high_tells_rises_together_and_plans_each_for_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the wings of a walk, or an aisle and its mirror; another storey is another matter."""
+    rises = [1.36, 1.38, 1.37, 1.35, 1.50, 1.50]
+    spans = [3.20, 3.20, 3.22, 3.22, 3.20, 3.20]
+    bays = []
+    for k, (rise, span) in enumerate(zip(rises, spans, strict=True)):
+        one = bay(Barrel(span, 4.0, Segmental(rise / span)), 9.0 * (k // 2), 4.4 * (k % 2))
+        there = replace(one.placed.pose, z=3.0 if k < 4 else 7.0)
+        solution = replace(one.refined.solution, placed=replace(one.placed, pose=there))
+        bays.append(replace(one, refined=replace(one.refined, solution=solution)))
+    monkeypatch.setattr(rows, "settled", lambda *_: bays[0].refined)
+    shared = [one.shared for one in learned(bays, NONE)]
+    assert [one["rise"][0] for one in shared] == pytest.approx([1.365] * 4 + [1.5] * 2)
+    assert [one["span"][0] for one in shared] == pytest.approx(spans)
