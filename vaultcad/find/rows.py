@@ -39,19 +39,22 @@ def learned(found: Sequence[Found], demands: Demands) -> tuple[Found, ...]:
     """The vaults of a scan, those of rows fitted again with what they share; all as they are where bays are free."""
     if BAYS.name in demands.freed:
         return tuple(found)
-    out = faced(found, demands)
-    rows = rows_of(out)
-    told = {k: agreed for row in rows for k, agreed in zip(row.bays, _told(out, row, rows), strict=True)}
-    numbers = [k for k, agreed in told.items() if agreed is not None]
+    bays = faced(found, demands)
+    rows = rows_of(bays)
 
-    def work(n: int) -> Found:
-        agreed = told[numbers[n]]
-        assert agreed is not None
-        return agreed.fitted(out[numbers[n]], demands)
+    def fitted(told: Mapping[int, _Agreed]) -> list[Found]:
+        out, numbers = list(bays), list(told)
+        work = [(told[k], bays[k]) for k in numbers]
+        for k, one in zip(numbers, spread(lambda n: work[n][0].fitted(work[n][1], demands), len(work)), strict=True):
+            out[k] = one
+        return out
 
-    for k, one in zip(numbers, spread(work, len(numbers)), strict=True):
-        out[k] = one
-    return tuple(out)
+    def agreed(plans: Sequence[Found]) -> dict[int, _Agreed]:
+        every = ((row.bays, _told(bays, row, plans, rows)) for row in rows)
+        return {k: one for numbers, told in every for k, one in zip(numbers, told, strict=True) if one is not None}
+
+    as_high = fitted({k: one.heights(bays[k].placed.vault) for k, one in agreed(bays).items()})
+    return tuple(fitted(agreed(as_high)))
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,10 @@ class _Agreed:
     kinds: Kinds
     shared: Mapping[str, tuple[float, float]]
     demanded: frozenset[str]
+
+    def heights(self, vault: Vault) -> _Agreed:
+        """The same without what makes the plan of a bay longer or wider, which hangs on how high that is."""
+        return replace(self, demanded=self.demanded - along(vault, 0) - along(vault, 1))
 
     def fitted(self, one: Found, demands: Demands) -> Found:
         """A bay fitted again with what it shares; as it is where the stone says otherwise."""
@@ -114,22 +121,28 @@ def _share_near(placed: Placed, one: Found) -> float:
     return float(evidence.weights @ near / max(evidence.weights.sum(), 1e-12))
 
 
-def _told(found: Sequence[Found], row: Row, rows: Sequence[Row] = ()) -> list[_Agreed | None]:
+def _told(found: Sequence[Found], row: Row, plans: Sequence[Found], rows: Sequence[Row] = ()) -> list[_Agreed | None]:
     """What each bay of a row has in common with it; None if nobody knows their arches.
 
-    rows: all of the scan. What was built as high, as the other aisle or the next wing, tells heights as well.
+    plans: the same bays as they were fitted to tell their plans. rows: all of the scan. What was built as high, as the
+    other aisle or the next wing, tells heights as well.
     """
     bays = [found[k] for k in row.bays]
     joint = _joint(bays)
     if not joint:
         return [None] * len(bays)
     kinds = max(joint, key=lambda kinds: joint[kinds])
-    told = {k: sizes for k, one in enumerate(bays) if (sizes := _sizes(one, kinds))}
+    told = {k: sizes for k, one in enumerate(bays) if (sizes := _sizes(one, kinds, plans[row.bays[k]].placed.vault))}
     vault = next(choice for one in bays for choice in one.choices if choice.kinds == kinds).placed.vault
     own = {k: along(bays[k].placed.vault, row.corners[n]) for k, n in enumerate(row.bays) if n in row.corners}
     shared: list[dict[str, tuple[float, float]]] = [{} for _ in bays]
     can, plan = _demandable(vault), along(vault, 0) | along(vault, 1)
-    level = [_sizes(found[k], kinds) for other in rows if _is_as_high(found, row, other) for k in other.bays]
+    level = [
+        _sizes(found[k], kinds, found[k].placed.vault)
+        for other in rows
+        if _is_as_high(found, row, other)
+        for k in other.bays
+    ]
     for name in lengths_of(vault):
         asked = [k for k in range(len(bays)) if name not in own.get(k, ())]
         telling = [k for k in asked if name in told.get(k, {})]
@@ -156,7 +169,7 @@ def _is_as_high(found: Sequence[Found], row: Row, other: Row) -> bool:
 
 def shared_by(found: Sequence[Found], row: Row) -> Mapping[str, tuple[float, float]]:
     """Mean and standard deviation of the lengths in which bays of a row agree and which can be asked, by name [m]."""
-    return {name: told.shared[name] for told in _told(found, row) if told for name in told.demanded}
+    return {name: told.shared[name] for told in _told(found, row, found) if told for name in told.demanded}
 
 
 def _demandable(vault: Vault) -> frozenset[str]:
@@ -192,17 +205,16 @@ def _kinds(choices: Sequence[Choice]) -> dict[Kinds, float]:
     return found
 
 
-def _sizes(one: Found, kinds: Kinds) -> Mapping[str, tuple[float, float]]:
+def _sizes(one: Found, kinds: Kinds, fitted: Vault) -> Mapping[str, tuple[float, float]]:
     """Mean and standard deviation of the lengths of a bay with these arches, by name [m]; nothing if it tells none.
 
-    A bay that has them from its row tells none. Those of the plan are as all its stone has them: what the field of a
-    settlement is told of leaves out what is near walls and edges, which show them best.
+    A bay that has them from its row tells none. Those of the plan are as all its stone has them, in `fitted`: what the
+    field of a settlement is told of leaves out what is near walls and edges, which show them best.
     """
     choice = next((choice for choice in one.choices if choice.kinds == kinds), None)
     if choice is None or one.shared:
         return {}
-    fitted = one.placed.vault if kinds_of(one.placed.vault) == kinds else choice.placed.vault
-    values = fitted.values()
+    values = (fitted if kinds_of(fitted) == kinds else choice.placed.vault).values()
     plan = along(fitted, 0) | along(fitted, 1)
     return {**choice.sizes, **{name: (values[name], choice.sizes[name][1]) for name in plan & choice.sizes.keys()}}
 
