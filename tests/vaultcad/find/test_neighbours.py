@@ -14,7 +14,7 @@ from vaultcad.find import rows
 from vaultcad.find.choices import Choice
 from vaultcad.find.found import Found
 from vaultcad.find.neighbours import along, faced, rows_of
-from vaultcad.find.refine import settled
+from vaultcad.find.refine import Refined, settled
 from vaultcad.find.rows import learned, shared_by
 from vaultcad.fit.evidence import Evidence
 from vaultcad.fit.freedom import NONE
@@ -102,7 +102,12 @@ def test_what_was_built_as_high_tells_rises_together_and_plans_each_for_itself(m
         there = replace(one.placed.pose, z=3.0 if k < 4 else 7.0)
         solution = replace(one.refined.solution, placed=replace(one.placed, pose=there))
         bays.append(replace(one, refined=replace(one.refined, solution=solution)))
-    monkeypatch.setattr(rows, "settled", lambda *_: bays[0].refined)
+    fit = bays[0].refined
+
+    def at_rest(start: Placed, *_: object) -> Refined:
+        return replace(fit, solution=replace(fit.solution, placed=start))
+
+    monkeypatch.setattr(rows, "settled", at_rest)
     shared = [one.shared for one in learned(bays, NONE)]
     assert [one["rise"][0] for one in shared] == pytest.approx([1.365] * 4 + [1.5] * 2)
     assert [one["span"][0] for one in shared] == pytest.approx(spans)
