@@ -12,6 +12,7 @@ from bench import (
     cost,
     defaults,
     deformation,
+    further,
     limits,
     measured,
     profiles,
@@ -30,6 +31,7 @@ from bench.record import Record
 BENCHMARKS = {
     "shapes": shapes.run,
     "cost": cost.run,
+    "further": further.run,
     "peers": peers.run,
     "rooms": rooms.run,
     "buildings": buildings.run,
@@ -57,6 +59,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--points", type=int, default=1_000_000, help="points of a cloud, default 1000000")
     for module in (
         cost,
+        further,
         peers,
         rooms,
         buildings,

@@ -11,10 +11,12 @@ import traceback
 from pathlib import Path
 
 from vaultcad.export import exchange
-from vaultcad.export.folder import MARKER, check_target, clear, replacing_folder
+from vaultcad.export.folder import check_target, clear, replacing_folder
+from vaultcad.export.marker import MARKER
 
 ROOT = Path(__file__).parents[1]
 FILES = ("model.ifc", "report.json", "segments.laz")
+MAP = "unrolled/vault-1.dxf"  # a file in a folder within a result
 REPORT = '{"schema": 1, "of": "%s"}'
 
 
@@ -22,6 +24,7 @@ def write(out, word, *, names=FILES, force=False):
     """A result of which each file holds the word."""
     with replacing_folder(out, force=force) as place:
         for name in names:
+            (place.part / name).parent.mkdir(exist_ok=True)
             (place.part / name).write_text(REPORT % word)
     return place
 
@@ -72,6 +75,10 @@ STATES = {
         (out / "photos" / "north").mkdir(parents=True),
         (out / "photos" / "north" / "1.jpg").write_text("mine"),
     ),
+    "a result with other files in a folder of ours": lambda out: (
+        write(out, "old", names=[*FILES, MAP]),
+        (out / "unrolled" / "cracks.dxf").write_text("mine"),
+    ),
 }
 
 
@@ -85,7 +92,7 @@ def killed_before_any_call(state, steps, folder):
         place.mkdir()
         out = place / "out"
         STATES[state](out)
-        others = {p.relative_to(out) for p in out.rglob("*") if p.is_file()} - {*map(Path, (*FILES, MARKER))}
+        others = {p.relative_to(out) for p in out.rglob("*") if p.is_file()} - {*map(Path, (*FILES, MAP, MARKER))}
         ended = in_child(lambda out=out, count=count: dying_at(count, lambda: write(out, "new")))
         assert ended in (0, -signal.SIGKILL)
         if steps == "three steps" and not out.exists():

@@ -66,6 +66,12 @@ def fit(
         typer.Option(help="nurbs: free surfaces beside the family's, in nurbs.step, .ifc, .glb, .obj, .dxf and .json."),
     ] = "family",
     net: Annotated[float, number_info("net", NET)] = 0.25,
+    sections: Annotated[
+        bool, typer.Option("--sections", help="Cuts by the planes of each vault, too, in sections/: vaultcad sections.")
+    ] = False,
+    unrolled: Annotated[
+        bool, typer.Option("--unrolled", help="Maps of the intrados laid flat, too, in unrolled/: vaultcad unroll.")
+    ] = False,
     drawings: Annotated[
         bool,
         typer.Option("--drawings", help="Sheets to scale, too: drawings.dxf, drawings.pdf; see vaultcad drawings."),
@@ -84,7 +90,7 @@ def fit(
     from vaultcad.cli.summary import show_summary
     from vaultcad.fit.demands import demand
 
-    further = Further(net if route == "nurbs" else None, drawings, coloured)
+    further = Further(net if route == "nurbs" else None, sections, unrolled, drawings, coloured)
     check_folder(out, inputs=[scan], review=review, force=force, more=further.names)
     families = _families(family)
     fixed, freed = _fixed(fix or []), tuple(free or [])
@@ -110,7 +116,8 @@ def fit(
 
         settings = FitSettings(families, seed, thickness, fixed, freed)
         cloud, result = fit_standing(cloud, settings, up, upright=has_up(scan), stage=bar.stage)
-        more, surfaces = further.writers(result, cloud, bar.stage)
+        asked = further.asked(result, cloud, bar.stage)
+        surfaces = asked.surfaces
         bar.stage("writing")
         labels = result.labels
         extra: dict[str, NDArray[Any]] = {
@@ -130,7 +137,8 @@ def fit(
             review=review,
             correlations=correlations,
             force=force,
-            more=more,
+            more=asked.more,
+            sheets=asked.sheets,
             progress=lambda name: bar.stage("writing", name),
         )
     show_notes(written.model.notes)

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from segmentation.io.whole import writing
 from vaultcad.export.buildable import buildable
 from vaultcad.export.dxf import write_dxf
-from vaultcad.export.folder import REPORT, check_target, replacing_folder
+from vaultcad.export.folder import check_target, replacing_folder
 from vaultcad.export.glb import write_glb
 from vaultcad.export.ifc import write_ifc
+from vaultcad.export.marker import REPORT
 from vaultcad.export.report_html import write_report_html
 from vaultcad.export.report_json import write_report_json
 from vaultcad.export.review import write_review
@@ -27,6 +28,7 @@ from vaultcad.export.world import write_world
 from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.model import Model
 from vaultcad.model_file import MODEL, write_model
+from vaultcad.one_thread import one_thread
 from vaultcad.processes import beside
 
 PAGE = "report.html"
@@ -54,6 +56,7 @@ class Written(NamedTuple):
     kept: Path | None
 
 
+@one_thread
 def write_all(
     model: Model,
     out: Path,
@@ -67,6 +70,7 @@ def write_all(
     correlations: bool = False,
     force: bool = False,
     more: Mapping[str, Callable[[Path], None]] = MappingProxyType({}),
+    sheets: Mapping[str, Callable[[Model, Path], None]] = MappingProxyType({}),
     progress: Callable[[str], None] = lambda name: None,
 ) -> Written:
     """Write all files of a model into the folder `out`, which appears, or changes, as one when they are complete.
@@ -84,7 +88,8 @@ def write_all(
         correlations: whether report.json holds those of the fitted numbers.
         force: whether to replace what a person has changed, or made under the name of one of the files; else the
             earlier result is kept under another name.
-        more: writers of further files, by their names.
+        more: writers of further files, or folders, by their names.
+        sheets: writers of such as show the model as drawn, which they are given.
         progress: is told each file's name before it is written.
 
     Raises:
@@ -99,7 +104,8 @@ def write_all(
         if points is None or component is None or deviation is None:
             raise ValueError("a review shows points; give points, component and deviation, or leave review out")
         writers[REVIEW] = partial(write_review, points=points, component=component, deviation=deviation, vault=vault)
-    check_target(out, [*writers, *more, SEGMENTS], force=True)  # what would be lost is kept: the work is done by now
+    # What would be lost is kept: the work is done by now.
+    check_target(out, [*writers, *more, *sheets, SEGMENTS], force=True)
 
     def bodies(tell: Callable[[str], None]) -> Model:
         tell("model.step")
@@ -118,6 +124,10 @@ def write_all(
         drawings = [name for name in writers if name not in BODIES]
         with beside(partial(write, drawings), long=len(model.vaults) > SEVERAL) as drawn:
             write([name for name in writers if name in BODIES], tell)
+            for name, write_sheets in sheets.items():
+                tell(name)
+                with writing(out / name):
+                    write_sheets(solids, place.part / name)
             drawn(tell)
         return solids
 
@@ -125,15 +135,15 @@ def write_all(
     # would wait without end for its threads, which stay here.
     with (
         replacing_folder(out, force=force) as place,
-        beside(bodies, long=model.points > MANY) as drawn,
+        beside(bodies, long=model.points > MANY or bool(more)) as drawn,
         ThreadPoolExecutor(1) as packer,
     ):
         labelled = packer.submit(segments, place.part / SEGMENTS)
-        solids = drawn(progress)
         for name, write_further in more.items():
             progress(name)
             with writing(out / name):
                 write_further(place.part / name)
+        solids = drawn(progress)
         progress(SEGMENTS)
         with writing(out / SEGMENTS):
             labelled.result()

@@ -81,13 +81,15 @@ def locked(folder: Path, *, wait: bool = True) -> Iterator[bool]:
 
 
 def settle(folder: Path) -> None:
-    """See the files of a folder, and its own list of them, safe on the disk.
+    """See the files of a folder, of those within it, and its own list of them, safe on the disk.
 
     Raises:
         OSError: the disk is full or broken.
     """
     for path in sorted(folder.iterdir()):
-        if path.is_file() and not path.is_symlink():
+        if path.is_dir() and not path.is_symlink():
+            settle(path)
+        elif path.is_file() and not path.is_symlink():
             _sync(path)
     sync_folder(folder)
 

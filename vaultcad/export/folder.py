@@ -1,21 +1,19 @@
 """A result's folder, which changes as one thing: whole as it was, or whole as it is now.
 
 The new one is made beside it, under a name that nobody can foresee; then the two change places. What others have put
-into the folder goes along. A marker tells which files are ours, and by their sums whether a person has changed one.
+into the folder goes along. A marker tells which files are ours.
 """
 
 from __future__ import annotations
 
-import json
 import os
 import platform
 import re
 import shutil
 import time
-from collections.abc import Collection, Iterator, Set
+from collections.abc import Collection, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
-from hashlib import file_digest
 from pathlib import Path
 from secrets import token_hex
 
@@ -23,19 +21,25 @@ from segmentation.io.whole import writing
 from segmentation.temporary import announce
 from vaultcad.errors import ExportError
 from vaultcad.export.exchange import SWAPPED, exchange, is_mounted, locked, longest_name, settle, sync_folder
+from vaultcad.export.marker import (
+    MARKER,
+    UNFINISHED,
+    UNMARKED,
+    is_folder,
+    losses,
+    mark,
+    marked,
+    names_in,
+    of_another_kind,
+    of_others,
+)
 
-MARKER = ".vaultcad.json"
-UNFINISHED = ".unfinished"  # in a folder that has never been a result's; names the computer that writes it
 ENDING = ".part"  # of the names of such folders
 GONE = ".gone"  # before that ending, of those of which nothing is to be kept
-REPORT = "report.json"
-UNMARKED = (REPORT, "report.html", "model.step", "model.ifc", "model.glb", "model.wld", "segments.laz")
-"""What is ours in results from the time before the marker, which are known by their report."""
 OLD_PART = re.compile(r"\d+")  # what then stood between name and ending: the number of the process
 PART = re.compile(r"[0-9a-f]{16}")  # and what stands there now
 ROOM = 32  # bytes of a name that these take
 DAY = 86_400.0  # s
-Sums = dict[str, str | None]  # names of our files and their SHA-256; None where no marker tells it
 
 
 @dataclass
@@ -64,12 +68,12 @@ def check_target(out: Path, names: Collection[str], *, force: bool = False) -> N
     if is_mounted(real) or _real(Path()).is_relative_to(real):
         what = "where a disk is mounted" if is_mounted(real) else "the folder that you are in"
         raise ExportError(f"{out} is {what} and cannot be replaced as a whole; name a folder in it, as {out}/result")
-    ours = _ours(real)
+    ours = marked(real)
     if ours is None and any(real.iterdir()):
         raise ExportError(f"{out} holds other files and no earlier result; name a new or empty folder with -o")
-    if other := _of_another_kind({*(ours or ())} - {MARKER}, {*names}):
+    if other := of_another_kind({*(ours or ())} - {MARKER}, {*names}):
         raise ExportError(f"{out} holds another kind of result, with {other}; name another folder with -o")
-    lost = () if force else _lost(real, names)
+    lost = () if force else losses(real, names)
     if lost:
         name, why = lost[0]
         raise ExportError(f"{out / name} {why} and would be lost; name another folder with -o, or say --force")
@@ -95,7 +99,7 @@ def replacing_folder(out: Path, *, force: bool = False) -> Iterator[Place]:
             _make(place.part, out, made, mine)
             yield place
             with writing(out):
-                _mark(place.part)
+                mark(place.part)
                 settle(place.part)
             with writing(out), locked(out.parent):
                 mode = out.stat().st_mode & 0o7777 if out.exists() else None
@@ -138,11 +142,11 @@ def target(part: Path) -> Path | None:
 
 
 def _clear(part: Path, out: Path) -> None:
-    ours = _ours(part)
+    ours = marked(part)
     there = {path.name for path in part.iterdir()}
     if UNFINISHED in there or part.stem.endswith(GONE):
         _discard(part)
-    elif ours is not None and {*ours} <= there and not out.exists():
+    elif ours is not None and {*ours} <= {*names_in(part)} and not out.exists():
         os.rename(part, out)  # the process died while they changed places
     elif ours is not None and out.is_dir():
         _retire(part, out)
@@ -154,13 +158,12 @@ def _clear(part: Path, out: Path) -> None:
 
 def _retire(part: Path, out: Path, *, force: bool = False) -> Path | None:
     """Do away with a result that another has taken the place of; where it is kept, if a person had changed it."""
-    new = _ours(out) or {}
-    if not force and _lost(part, new):
+    new = marked(out) or {}
+    if not force and losses(part, new):
         return _named(part, out.with_name(f"{out.name}-before"))
-    settled = {*(_ours(part) or {}), *new}
-    for path in sorted(part.iterdir()):
-        if path.name not in settled:
-            _give_back(path, out / path.name)
+    for name in of_others(part, {*(marked(part) or {}), *new}):
+        (out / name).parent.mkdir(parents=True, exist_ok=True)
+        _give_back(part / name, out / name)
     _discard(part)
     return None
 
@@ -198,48 +201,6 @@ def _is_elsewhere(part: Path) -> bool:
     return False
 
 
-def _mark(part: Path) -> None:
-    sums = {path.name: _sum(path) for path in sorted(part.iterdir()) if path.name != UNFINISHED}
-    marker = {"about": "files of a result of vaultcad and their SHA-256", "files": sums}
-    (part / MARKER).write_text(json.dumps(marker, indent=1) + "\n", encoding="utf-8")
-
-
-def _sum(path: Path) -> str | None:
-    """None for what is no file."""
-    if not path.is_file() or path.is_symlink():
-        return None
-    with path.open("rb") as file:
-        return file_digest(file, "sha256").hexdigest()
-
-
-def _ours(folder: Path) -> Sums | None:
-    """Which files of a folder are ours; None if it is no result."""
-    with suppress(OSError, ValueError, KeyError, TypeError, AttributeError):
-        files = json.loads((folder / MARKER).read_text(encoding="utf-8"))["files"]
-        return {MARKER: None} | {str(name): told and str(told) for name, told in files.items()}
-    with suppress(OSError, ValueError, AttributeError):
-        if json.loads((folder / REPORT).read_text(encoding="utf-8")).get("schema") == 1:
-            return {name: None for name in UNMARKED if (folder / name).exists()}
-    return None
-
-
-def _of_another_kind(ours: Set[str], names: Set[str]) -> str | None:
-    """A file of an earlier result that tells that it is of another kind than one of files with these names."""
-    if REPORT in ours - names:
-        return REPORT
-    return min(ours) if ours and not ours & names else None
-
-
-def _lost(folder: Path, names: Collection[str]) -> list[tuple[str, str]]:
-    """What would be lost if a result of these files took the place of one, each with the reason."""
-    ours = (_ours(folder) or {}) if folder.is_dir() else {}
-    changed = [n for n, told in ours.items() if told and os.path.lexists(folder / n) and _sum(folder / n) != told]
-    strange = [n for n in sorted({*names} - {*ours}) if os.path.lexists(folder / n)]
-    return [(n, "was changed since it was written") for n in changed] + [
-        (n, "is not of the earlier result") for n in strange
-    ]
-
-
 def _carry_along(out: Path, part: Path) -> None:
     """What others have put into `out` is in `part` too; their files are there once, under two names.
 
@@ -247,15 +208,14 @@ def _carry_along(out: Path, part: Path) -> None:
     """
     if not out.is_dir():
         return
-    settled = {*(_ours(out) or {}), *(path.name for path in part.iterdir())}
-    for path in sorted(out.iterdir()):
-        if path.name not in settled:
-            with suppress(OSError):
-                _link(path, part / path.name)
+    for name in of_others(out, {*(marked(out) or {}), *names_in(part)}):
+        with suppress(OSError):
+            (part / name).parent.mkdir(parents=True, exist_ok=True)
+            _link(out / name, part / name)
 
 
 def _link(path: Path, to: Path) -> None:
-    if path.is_dir() and not path.is_symlink():
+    if is_folder(path):
         to.mkdir()
         shutil.copystat(path, to)
         for inner in sorted(path.iterdir()):
@@ -280,7 +240,7 @@ def _take_place(part: Path, out: Path) -> None:
 
 def _give_back(path: Path, to: Path) -> None:
     """Move what others have put into a folder that was replaced to the new one, but for what is there already."""
-    if path.is_dir() and not path.is_symlink() and to.is_dir():
+    if is_folder(path) and to.is_dir():
         for inner in sorted(path.iterdir()):
             _give_back(inner, to / inner.name)
     elif not os.path.lexists(to) or path.lstat().st_mtime_ns > to.lstat().st_mtime_ns:

@@ -24,6 +24,14 @@ UNDER_TITLE = 0.95  # of the height of pictures
 INCH = 100.0  # pixels of one, in pictures
 
 
+def write_sections(model: Model, sections: Sequence[Section], folder: Path) -> None:
+    """Write all files of sections and a drawing of each into a new folder."""
+    folder.mkdir()
+    for name, write in WRITERS.items():
+        write(model, sections, folder / name)
+    write_drawings(sections, folder, pictures=False)
+
+
 def drawn_names(sections: Sequence[Section], suffix: str) -> list[str]:
     """Of the drawings, one a section."""
     return [f"{section.id}{suffix}" for section in sections]

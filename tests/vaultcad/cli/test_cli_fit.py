@@ -15,12 +15,13 @@ from vaultcad.cli import main
 from vaultcad.cli.fit import STAGES
 from vaultcad.drawings.bundle import CAD, PAGES
 from vaultcad.export.bundle import REVIEW, WRITERS
-from vaultcad.export.folder import MARKER
+from vaultcad.export.marker import MARKER
 from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.scanner import read_truth
 
 USUAL = {MARKER, SEGMENTS, *WRITERS}
-FILES = {*USUAL, REVIEW, CAD, PAGES, "deviation.ply"}
+FOLDERS = {"sections": "sections", "unrolled": "unroll"}  # and the commands that write the same
+FILES = {*USUAL, REVIEW, CAD, PAGES, "deviation.ply", *FOLDERS}
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +29,7 @@ def fitted(room, without_extras, tmp_path_factory, assumed):
     """The folder of a fit that a process of its own made without any extra, and what it said."""
     out = tmp_path_factory.mktemp("fit") / "new" / "sail"
     arguments = ["fit", room, "-o", out, "--family", "volta a vela", "--seed", "1", "--thickness", "0.2", "--review"]
-    arguments += ["--correlations", "--drawings", "--coloured", "ply"]
+    arguments += ["--correlations", "--sections", "--unrolled", "--drawings", "--coloured", "ply"]
     done = subprocess.run(
         [*without_extras, *map(str, arguments)], capture_output=True, text=True, timeout=500, check=False
     )
@@ -45,6 +46,17 @@ def test_without_extras_all_files_are_there_and_nothing_else(fitted):
     assert {path.name for path in out.iterdir()} == FILES
     assert [path.name for path in out.parent.iterdir()] == [out.name]
     assert all(path.stat().st_size > 0 for path in out.iterdir())
+
+
+@pytest.mark.parametrize("name", FOLDERS)
+def test_folders_of_a_fit_hold_what_the_commands_write(fitted, tmp_path, name):
+    out, _ = fitted
+    assert main([FOLDERS[name], str(out), "-o", str(tmp_path / name)]) == 0
+    made = {path.name for path in (tmp_path / name).iterdir()} - {MARKER}
+    assert {path.name for path in (out / name).iterdir()} == made
+    told, again = (json.loads((folder / name / f"{name}.json").read_text()) for folder in (out, tmp_path))
+    assert {*told} == {*again}
+    assert {f"{name}/{file}" for file in made} <= {*json.loads((out / MARKER).read_text())["files"]}
 
 
 def test_the_report_holds_the_vault_and_the_settings(fitted, room):
@@ -90,7 +102,6 @@ def test_points_in_colours_are_the_vaults_own(fitted, room):
 @pytest.mark.parametrize(
     ("arguments", "files"),
     [
-        (["sections"], {"sections.json", "sections.dxf"}),
         (["drawings"], {"drawings.dxf", "drawings.pdf", "vault-1.svg"}),
         (["nurbs", "--net", "0.5"], {"nurbs.json", "nurbs.obj", "nurbs.step"}),
     ],

@@ -12,7 +12,7 @@ from families import FAMILIES, BasketHandle, Groin, Semicircular, Stilted
 from vaultcad.errors import ExportError
 from vaultcad.export import buildable as module
 from vaultcad.export.bundle import WRITERS, write_all
-from vaultcad.export.folder import MARKER
+from vaultcad.export.marker import MARKER
 from vaultcad.export.step import write_step
 from vaultcad.labelled_scan import SEGMENTS
 from vaultcad.model_file import read_model

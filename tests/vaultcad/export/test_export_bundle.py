@@ -10,7 +10,7 @@ from segmentation.errors import WriteError
 from vaultcad.errors import ExportError
 from vaultcad.export import bundle
 from vaultcad.export.bundle import write_all
-from vaultcad.export.folder import MARKER
+from vaultcad.export.marker import MARKER
 
 NAMES = {
     "report.json",

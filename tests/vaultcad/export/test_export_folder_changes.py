@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from fuzz.results import FILES, REPORT, listing, words, write
+from fuzz.results import FILES, MAP, REPORT, listing, words, write
 from vaultcad.errors import ExportError
 from vaultcad.export import exchange as module
 from vaultcad.export import folder
@@ -106,3 +106,32 @@ def test_what_was_taken_out_by_a_person_is_no_change(tmp_path):
     check_target(out, FILES)
     write(out, "new")
     assert words(out) == {REPORT % "new"}
+
+
+def test_what_others_put_into_a_folder_of_ours_goes_along(tmp_path):
+    out = tmp_path / "out"
+    write(out, "old", names=[*FILES, MAP])
+    (out / "unrolled" / "cracks.dxf").write_text("mine")
+    write(out, "new", names=[*FILES, MAP])
+    assert words(out, [*FILES, MAP]) == {REPORT % "new"}
+    write(out, "without")
+    assert listing(out / "unrolled") == ["cracks.dxf"]
+    assert (out / "unrolled" / "cracks.dxf").read_text() == "mine"
+    assert listing(tmp_path) == ["out"]
+
+
+def test_what_a_person_draws_on_a_file_in_a_folder_of_ours_is_refused_and_kept(tmp_path):
+    out = tmp_path / "out"
+    write(out, "old", names=[*FILES, MAP])
+    (out / MAP).write_text("with a crack")
+    with pytest.raises(ExportError, match=r"vault-1\.dxf was changed since it was written .* --force"):
+        check_target(out, [*FILES, "unrolled"])
+    assert (write(out, "new", names=[*FILES, MAP]).kept / MAP).read_text() == "with a crack"
+
+
+def test_a_folder_of_somebody_elses_under_a_name_of_ours_is_refused(tmp_path):
+    out = tmp_path / "out"
+    write(out, "old")
+    (out / "unrolled").mkdir()
+    with pytest.raises(ExportError, match=r"unrolled is not of the earlier result"):
+        check_target(out, [*FILES, "unrolled"])

@@ -5,7 +5,8 @@ import os
 import pytest
 
 from fuzz.results import REPORT, STATES, apart, killed_after_a_change, killed_before_any_call, listing, two_at_once
-from vaultcad.export.folder import UNFINISHED, clear, replacing_folder
+from vaultcad.export.folder import clear, replacing_folder
+from vaultcad.export.marker import UNFINISHED
 
 
 @pytest.fixture(autouse=True)
