@@ -45,10 +45,10 @@ class Found:
 
     def unsure(self, spread: Covariance) -> Covariance:
         """The covariance of its unknowns, from its own stone, with what others tell of them."""
-        solution, own = self.refined.solution, spread.stds()
+        solution = self.refined.solution
         for name, std in self.told.items():
             held = name in solution.free.pose or name not in solution.names
-            spread = spread.with_std(name, std if held else max(std, own[name]))
+            spread = spread.with_std(name, std if held else max(std, spread.stds()[name]))
         return spread
 
     @property
