@@ -41,7 +41,7 @@ SETTLED = 0.012  # m by which feet have moved since they were built, up or apart
 LONGER = 0.6  # m by which an arch may be longer than what is seen of its soffit
 BEND = 0.045, 0.025  # of its radius, by which a foot is seen too high where there is no crease, and its deviation
 CREASED = 0.12  # of its radius that a foot is above the centre of a segment, from which on there is one
-ODD, GUESS = 0.02, 3.0  # m that stone scatters about an arch of another kind, and times by which sizes may be off then
+ODD, GUESS = 0.02, 5.0  # m that stone scatters about an arch of another kind, and times by which sizes may be off then
 WORSE = 1.3, 1e-3  # times, and m, by which its stone may scatter more if it springs from its feet
 LEVELLED = "z", "rise"  # what is as unsure as the level of the springing
 
