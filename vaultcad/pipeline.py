@@ -284,7 +284,7 @@ def _measured(
     on = thin.points[mine] @ frame[:, :3].T + frame[:, 3]
     sight = look(placed.vault, on, 2.5 * thin.spacing, rng)
     solution, fitted = found.refined.loose, found.refined.points
-    spread = covariance(solution, fitted)
+    spread = found.unsure(covariance(solution, fitted))
     apart = _open_ends(found.site, placed)
     if any(apart):
         spread = replace(spread, matrix=spread.matrix + open_ends(solution, apart))

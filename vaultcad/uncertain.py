@@ -67,6 +67,16 @@ class Covariance:
         """Standard deviation of a size with these derivatives (k,) by the unknowns."""
         return sqrt(max(float(slopes @ self.matrix @ slopes), 0.0))
 
+    def with_std(self, name: str, std: float) -> Covariance:
+        """The same with one unknown as sure as that, and what hangs on it with it; all else is as sure as it was."""
+        k = self.names.index(name)
+        told, matrix = self.matrix[k], self.matrix.copy()
+        if told[k] > 0:
+            matrix += np.outer(told, told) * (std**2 - told[k]) / told[k] ** 2
+        else:
+            matrix[k, k] = std**2
+        return Covariance(self.names, matrix)
+
     def stds(self) -> dict[str, float]:
         """Standard deviation of each unknown."""
         return dict(zip(self.names, np.sqrt(np.maximum(np.diag(self.matrix), 0.0)).tolist(), strict=True))

@@ -9,24 +9,18 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from families.kinds.barrel import Barrel
 from vaultcad.errors import NoVaultError
-from vaultcad.find.found import Found, likeliest_of
-from vaultcad.find.likeness import agree, choices_like, starts_like
-from vaultcad.find.recognise import recognise
-from vaultcad.find.refine import refine
-from vaultcad.fit.freedom import Demands
+from vaultcad.find.found import Found
+from vaultcad.find.soffit_barrel import fitted_soffit
 from vaultcad.survey.soffits import SIGMA, Soffit
 from vaultcad.survey.springings import Springing
-from vaultcad.survey.thinned_scan import STEEP, UPRIGHT, Site, Thin, turned
+from vaultcad.survey.thinned_scan import Thin
 
 Array = NDArray[np.float64]
 
-BELOW = 1.0  # m of the piers under a soffit's ends that tell its span
-BESIDE = 0.3  # m beyond those ends where the piers' faces may be
-WITHIN = 0.02  # m within its edges from which on a point is the soffit's
-ENDS = 0.1  # m between the points that tie its edges
+BESIDE = 0.3  # m beyond a soffit's edges where the vaults beside it are
 NEXT = 0.03, 0.25  # m beyond its edges where the vault beside it is looked for
+STEP = 0.1  # m along it, in which that must be
 DEPTH = 0.05, 0.8  # m by which a vault beside an arch is above it; more is a wall on it
 TOGETHER = 1.0  # m along an arch, within which the stone is off by as much
 OF_MEDIAN = sqrt(pi / 2)  # standard deviation of a median of n that are spread normally / theirs / √n
@@ -108,66 +102,6 @@ def find_arch(
     return FoundArch(soffit, barrel, *_depth(soffit, barrel, hung))
 
 
-def fitted_soffit(
-    soffit: Soffit, thin: Thin, rng: np.random.Generator, like: Found | None = None, feet: Sequence[Springing] = ()
-) -> Found:
-    """The barrel of a soffit, as long as that is wide; `like` is one from which it can begin, `feet` where it springs.
-
-    Raises:
-        NoVaultError: an arch of no kind comes near.
-    """
-    site = _site(soffit, thin)
-    demands = Demands(sizes={"length": soffit.width, "slope": 0.0, "splay": 0.0}, pose={"yaw": soffit.yaw})
-    barrel = _barrel(site, rng, demands, like, feet)
-    if like is not None and not agree([barrel], like):
-        barrel = _barrel(site, rng, demands, None, feet)
-    return barrel
-
-
-def _barrel(
-    site: Site, rng: np.random.Generator, demands: Demands, like: Found | None, feet: Sequence[Springing]
-) -> Found:
-    """The barrel of a soffit, begun from one like it if there is one.
-
-    Raises:
-        NoVaultError: an arch of no kind comes near.
-    """
-    known = starts_like(like, site, (Barrel,), demands) if like else ()
-    hypotheses = recognise(site, rng, families=(Barrel,), demands=demands, known=known)
-    refined = refine(hypotheses[0], site, rng, demands=demands, known=like.refined.kept if like else None)
-    found = Found(site, hypotheses, refined, refined.tolerance)
-    return likeliest_of(found, demands, rng, choices_like(like, found) if like else (), feet)
-
-
-def _site(soffit: Soffit, thin: Thin) -> Site:
-    """The stone of an arch, and of its piers a little."""
-    low, crown = float(soffit.curve[:, 1].min()), float(soffit.curve[:, 1].max())
-    mine = soffit.holds(thin.points, -WITHIN, BESIDE)
-    mine &= (thin.points[:, 2] > low - BELOW) & (thin.points[:, 2] < crown + WITHIN)
-    points, normals = thin.points[mine], thin.normals[mine]
-    steep = np.abs(normals[:, 2]) < STEEP
-    along = np.arange(-soffit.length / 2, soffit.length / 2, ENDS) + ENDS / 2
-    local = np.array([(u, side * soffit.width / 2) for side in (-1, 1) for u in along])
-    ends = np.column_stack([turned(local, -soffit.yaw) + soffit.place, np.full(len(local), low - BELOW - 1.0)])
-    half = np.array([soffit.length, soffit.width]) / 2
-    middle = turned(soffit.place[None], soffit.yaw)[0]
-    walled = np.array([[(np.abs(normals[:, 2]) < UPRIGHT).any()] * 2, [False, False]])
-    return Site(
-        points=points,
-        normals=normals,
-        weights=np.where(steep, 0.4, 1.0),
-        yaw=soffit.yaw,
-        low=middle - half,
-        high=middle + half,
-        walled=walled,
-        bottom=float(points[:, 2].min(initial=low)),
-        crown=crown,
-        spacing=thin.spacing,
-        ends=ends,
-        counts=thin.counts[mine],
-    )
-
-
 def _depth(soffit: Soffit, barrel: Found, hung: Array) -> tuple[Array, Array]:
     """(2,) how far the vaults on either side stand above an arch [m], and how sure; NaN where none does along much.
 
@@ -181,11 +115,11 @@ def _depth(soffit: Soffit, barrel: Found, hung: Array) -> tuple[Array, Array]:
         mine = np.flatnonzero(near & (beyond > NEXT[0]) & (beyond < NEXT[1]))
         over = _over(soffit, barrel, hung[mine])
         close = (over > DEPTH[0]) & (over < DEPTH[1])
-        steps = np.unique(np.floor(along[mine[close]] / ENDS))
-        if len(steps) * ENDS > SEEN * HAUNCH * soffit.length:
+        steps = np.unique(np.floor(along[mine[close]] / STEP))
+        if len(steps) * STEP > SEEN * HAUNCH * soffit.length:
             depth[k] = float(np.median(over[close]))
             spread = SIGMA * np.median(np.abs(over[close] - depth[k]))
-            std[k] = OF_MEDIAN * spread / sqrt(max(len(steps) * ENDS / TOGETHER, 1.0))
+            std[k] = OF_MEDIAN * spread / sqrt(max(len(steps) * STEP / TOGETHER, 1.0))
     return depth, std
 
 

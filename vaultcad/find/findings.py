@@ -164,7 +164,7 @@ def _looked_at_again(
     """What is under each ceiling, where those that a row lacks, or that are odd in it, were tried as bays of it."""
     tried: set[int] = set()
     out = list(under)
-    while looks := [look for look in second_looks(ceilings, out) if look.number not in tried]:
+    while looks := [look for look in second_looks(ceilings, out, demands) if look.number not in tried]:
         tried |= {look.number for look in looks}  # what was found may be beside the next
 
         def work(n: int, looks: Sequence[SecondLook] = looks) -> Found | None:
@@ -180,7 +180,9 @@ def _looked_at_again(
             except NoVaultError:
                 return None
             before = out[look.number]
-            return look.taken(found[0], before, demands) if all(as_near(found, one) for one in before) else None
+            if not all(as_near(found, one) for one in before):
+                return None
+            return look.taken(found[0], before, demands, rngs[look.number], sprung)
 
         for look, found in zip(looks, spread(work, len(looks)), strict=True):
             if found is not None:

@@ -15,6 +15,7 @@ from vaultcad.fit.freedom import Demands
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.springings import Springing
 from vaultcad.survey.thinned_scan import Site
+from vaultcad.uncertain import Covariance
 
 AS_LIKELY = 0.2  # of all families but the best, from which on the next is said
 
@@ -24,7 +25,8 @@ class Found:
     """One vault of a scan. hypotheses: the most likely first. tolerance: of the band its points lie in [m].
 
     choices: of arches and constraints; with the first it is refined. shared: mean and standard deviation of the sizes
-    that are those of its row [m]. misfit: what speaks against all families.
+    that are those of its row [m]. misfit: what speaks against all families. told: standard deviations of
+    unknowns, by name, that its own stone does not tell: of those that were held as others tell them, else at the least.
     """
 
     site: Site
@@ -34,11 +36,20 @@ class Found:
     choices: tuple[Choice, ...] = ()
     shared: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     misfit: Misfit = FITS
+    told: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def placed(self) -> Placed:
         """The vault where it stands."""
         return self.refined.placed
+
+    def unsure(self, spread: Covariance) -> Covariance:
+        """The covariance of its unknowns, from its own stone, with what others tell of them."""
+        solution = self.refined.solution
+        for name, std in self.told.items():
+            held = name in solution.free.pose or name not in solution.names
+            spread = spread.with_std(name, std if held else max(std, spread.stds()[name]))
+        return spread
 
     @property
     def confidence(self) -> list[float]:

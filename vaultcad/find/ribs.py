@@ -18,8 +18,9 @@ from families import Vault
 from families.declaration.ribs import DIAGONAL, WALL
 from families.void import kernel
 from vaultcad.errors import NoVaultError
-from vaultcad.find.arches import OF_MEDIAN, TOGETHER, FoundArch, fitted_soffit
+from vaultcad.find.arches import OF_MEDIAN, TOGETHER, FoundArch
 from vaultcad.find.found import Found
+from vaultcad.find.soffit_barrel import fitted_soffit
 from vaultcad.fit.solve import Placed
 from vaultcad.survey.soffits import SIGMA, Soffit, measured
 from vaultcad.survey.thinned_scan import Thin

@@ -1,18 +1,19 @@
 """Bays learn from each other: neighbours of one family that were built alike are fitted with what they share.
 
-Each bay tells each size with a deviation of its own (`vaultcad.find.choices`). Where those of a row agree by the
-chi-square test, their weighted mean stands for all; kinds of arches are chosen by the mean odds of all bays.
+Each bay tells each size with a deviation of its own (`vaultcad.find.choices`). Those of a row that agree by the
+chi-square test share their weighted mean, if they are most; others keep their own. Kinds of arches are chosen by the
+mean odds of all bays.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from math import exp, log, sqrt
 from statistics import fmean
 
 import numpy as np
+from numpy.typing import NDArray
 
 from families import Vault
 from families.declaration.constraints import Constraint
@@ -20,14 +21,13 @@ from families.declaration.parameters import derived_declarations
 from families.declaration.profiles import as_kind
 from vaultcad.find.choices import Choice
 from vaultcad.find.found import Found
-from vaultcad.find.recognise import Kinds
+from vaultcad.find.neighbours import SPRINGING, Row, along, faced, rows_of
+from vaultcad.find.recognise import Kinds, kinds_of
 from vaultcad.find.refine import settled
 from vaultcad.fit.freedom import BAYS, Demands, decides
 from vaultcad.fit.solve import Placed
 from vaultcad.processes import spread
 
-SIZE, SPRINGING = 0.2, 0.2  # share of a plan's size, and m of the springing, by which bays of a row may differ
-APART, OUT_OF_LINE, TURN = 2.0, 0.5, 0.05  # m between two bays of a row; m across it; sine of their angle
 FORGOTTEN = 1e-3  # chance of a kind that a bay does not list
 AGREE = 0.99  # level of the test
 EXACT = 0.003  # m; no size is known better by one bay
@@ -37,24 +37,29 @@ WORSE = 1.3, 1e-3  # times, and m, by which the scatter of a bay may grow with w
 
 def learned(found: Sequence[Found], demands: Demands) -> tuple[Found, ...]:
     """The vaults of a scan, those of rows fitted again with what they share; all as they are where bays are free."""
-    rows = [] if BAYS.name in demands.freed else rows_of(found)
-    told = {k: _told([found[j] for j in row]) for row in rows for k in row}
-    numbers = [k for k, row in told.items() if row is not None]
+    if BAYS.name in demands.freed:
+        return tuple(found)
+    bays = faced(found, demands)
+    rows = rows_of(bays)
 
-    def work(n: int) -> Found:
-        row = told[numbers[n]]
-        assert row is not None
-        return row.fitted(found[numbers[n]], demands)
+    def fitted(told: Mapping[int, _Agreed]) -> list[Found]:
+        out, numbers = list(bays), list(told)
+        work = [(told[k], bays[k]) for k in numbers]
+        for k, one in zip(numbers, spread(lambda n: work[n][0].fitted(work[n][1], demands), len(work)), strict=True):
+            out[k] = one
+        return out
 
-    out = list(found)
-    for k, one in zip(numbers, spread(work, len(numbers)), strict=True):
-        out[k] = one
-    return tuple(out)
+    def agreed(plans: Sequence[Found]) -> dict[int, _Agreed]:
+        every = ((row.bays, _told(bays, row, plans, rows)) for row in rows)
+        return {k: one for numbers, told in every for k, one in zip(numbers, told, strict=True) if one is not None}
+
+    as_high = fitted({k: one.heights(bays[k].placed.vault) for k, one in agreed(bays).items()})
+    return tuple(fitted(agreed(as_high)))
 
 
 @dataclass(frozen=True)
-class _Row:
-    """What equal bays tell together: how likely each choice of kinds is for all, and the sizes in which they agree.
+class _Agreed:
+    """What a bay has in common with its row: how likely each choice of kinds is for all, and the sizes that it shares.
 
     demanded: the names of those sizes that can be asked of a fit; the others follow from these, or from none.
     """
@@ -63,6 +68,10 @@ class _Row:
     kinds: Kinds
     shared: Mapping[str, tuple[float, float]]
     demanded: frozenset[str]
+
+    def heights(self, vault: Vault) -> _Agreed:
+        """The same without what makes the plan of a bay longer or wider, which hangs on how high that is."""
+        return replace(self, demanded=self.demanded - along(vault, 0) - along(vault, 1))
 
     def fitted(self, one: Found, demands: Demands) -> Found:
         """A bay fitted again with what it shares; as it is where the stone says otherwise."""
@@ -112,23 +121,55 @@ def _share_near(placed: Placed, one: Found) -> float:
     return float(evidence.weights @ near / max(evidence.weights.sum(), 1e-12))
 
 
-def _told(row: Sequence[Found]) -> _Row | None:
-    """What these bays tell together; None if nobody knows their arches."""
-    joint = _joint(row)
+def _told(found: Sequence[Found], row: Row, plans: Sequence[Found], rows: Sequence[Row] = ()) -> list[_Agreed | None]:
+    """What each bay of a row has in common with it; None if nobody knows their arches.
+
+    plans: the same bays as they were fitted to tell their plans. rows: all of the scan. What was built as high, as the
+    other aisle or the next wing, tells heights as well.
+    """
+    bays = [found[k] for k in row.bays]
+    joint = _joint(bays)
     if not joint:
-        return None
+        return [None] * len(bays)
     kinds = max(joint, key=lambda kinds: joint[kinds])
-    own = [one for one in row if not one.shared]  # others have their sizes from these
-    picked = [next((c for c in one.choices if c.kinds == kinds), None) for one in own]
-    choices = [choice for choice in picked if choice is not None]
-    shared = _shared(choices)
-    return _Row(joint, kinds, shared, _demandable(choices[0].placed.vault) & shared.keys() if shared else frozenset())
+    told = {k: sizes for k, one in enumerate(bays) if (sizes := _sizes(one, kinds, plans[row.bays[k]].placed.vault))}
+    vault = next(choice for one in bays for choice in one.choices if choice.kinds == kinds).placed.vault
+    own = {k: along(bays[k].placed.vault, row.corners[n]) for k, n in enumerate(row.bays) if n in row.corners}
+    shared: list[dict[str, tuple[float, float]]] = [{} for _ in bays]
+    can, plan = _demandable(vault), along(vault, 0) | along(vault, 1)
+    level = [
+        _sizes(found[k], kinds, found[k].placed.vault)
+        for other in rows
+        if _is_as_high(found, row, other)
+        for k in other.bays
+    ]
+    for name in lengths_of(vault):
+        asked = [k for k in range(len(bays)) if name not in own.get(k, ())]
+        telling = [k for k in asked if name in told.get(k, {})]
+        mine = [told[k][name] for k in telling]
+        agreed = _agreed(mine, tested=name in can)
+        if agreed is not None:
+            middle, std, agreeing = agreed
+            more = [sizes[name] for sizes in level if name in sizes] if name not in plan else []
+            every = _agreed([*mine, *more], tested=name in can)
+            if more and every is not None and every[2].all():
+                middle, std, _ = every
+            apart = {telling[n] for n in np.flatnonzero(~agreeing)}
+            for k in set(asked) - apart:
+                shared[k][name] = middle, std
+    return [_Agreed(joint, kinds, sizes, can & sizes.keys()) for sizes in shared]
 
 
-def shared_by(row: Sequence[Found]) -> Mapping[str, tuple[float, float]]:
+def _is_as_high(found: Sequence[Found], row: Row, other: Row) -> bool:
+    """Whether another row is of the same family, and springs from the same level."""
+    one, two = (found[of.bays[0]].placed for of in (row, other))
+    levels = [float(np.median([found[k].placed.pose.z for k in of.bays])) for of in (row, other)]
+    return other != row and type(one.vault) is type(two.vault) and abs(levels[0] - levels[1]) < SPRINGING
+
+
+def shared_by(found: Sequence[Found], row: Row) -> Mapping[str, tuple[float, float]]:
     """Mean and standard deviation of the lengths in which bays of a row agree and which can be asked, by name [m]."""
-    told = _told(row)
-    return {name: told.shared[name] for name in told.demanded} if told else {}
+    return {name: told.shared[name] for told in _told(found, row, found) if told for name in told.demanded}
 
 
 def _demandable(vault: Vault) -> frozenset[str]:
@@ -142,32 +183,6 @@ def lengths_of(vault: Vault) -> list[str]:
     """All lengths of a vault that bays may have in common, by name."""
     every = _demandable(vault) | {name for name, one in derived_declarations(type(vault)).items() if one.unit == "m"}
     return sorted(name for name in every if not name.startswith("skew"))
-
-
-def rows_of(found: Sequence[Found]) -> list[list[int]]:
-    """The numbers, from 0, of neighbours that may have been built alike, by rows and grids of two or more."""
-    row = list(range(len(found)))
-    for i, j in combinations(range(len(found)), 2):
-        if _alike(found[i], found[j]):
-            row = [row[i] if k == row[j] else k for k in row]
-    groups = [[k for k, r in enumerate(row) if r == first] for first in dict.fromkeys(row)]
-    return [group for group in groups if len(group) > 1]
-
-
-def _alike(one: Found, other: Found) -> bool:
-    """Whether two vaults are of one family, next to each other in line, and about as large and high."""
-    a, b = one.placed, other.placed
-    if type(a.vault) is not type(b.vault) or abs(np.sin(a.pose.yaw - b.pose.yaw)) > TURN:
-        return False
-    if abs(a.pose.z - b.pose.z) > SPRINGING:
-        return False
-    half, others = a.vault.plan.half, b.vault.plan.half
-    if (np.abs(half - others) > SIZE * np.maximum(half, others)).any():
-        return False
-    c, s = np.cos(a.pose.yaw), np.sin(a.pose.yaw)
-    away = np.abs(np.array([[c, s], [-s, c]]) @ (b.pose.x - a.pose.x, b.pose.y - a.pose.y))
-    gaps = away - half - others
-    return any(gaps[axis] < APART and away[1 - axis] < OUT_OF_LINE for axis in range(2))
 
 
 def _joint(row: Sequence[Found]) -> dict[Kinds, float]:
@@ -190,21 +205,37 @@ def _kinds(choices: Sequence[Choice]) -> dict[Kinds, float]:
     return found
 
 
-def _shared(choices: Sequence[Choice]) -> dict[str, tuple[float, float]]:
-    """Mean and standard deviation of the lengths in which bays agree; springings have settled each its own way."""
+def _sizes(one: Found, kinds: Kinds, fitted: Vault) -> Mapping[str, tuple[float, float]]:
+    """Mean and standard deviation of the lengths of a bay with these arches, by name [m]; nothing if it tells none.
+
+    A bay that has them from its row tells none. Those of the plan are as all its stone has them, in `fitted`: what the
+    field of a settlement is told of leaves out what is near walls and edges, which show them best.
+    """
+    choice = next((choice for choice in one.choices if choice.kinds == kinds), None)
+    if choice is None or one.shared:
+        return {}
+    values = (fitted if kinds_of(fitted) == kinds else choice.placed.vault).values()
+    plan = along(fitted, 0) | along(fitted, 1)
+    return {**choice.sizes, **{name: (values[name], choice.sizes[name][1]) for name in plan & choice.sizes.keys()}}
+
+
+def _agreed(told: Sequence[tuple[float, float]], *, tested: bool) -> tuple[float, float, NDArray[np.bool_]] | None:
+    """The mean of the most (mean, standard deviation) that agree, its own deviation, and which (n,) do; None if few.
+
+    tested: whether they must agree by the chi-square test, as what only follows from other sizes need not.
+    """
     from scipy.stats import chi2
 
-    if len(choices) < 2:
-        return {}
-    found = {}
-    for name in lengths_of(choices[0].placed.vault):
-        told = [choice.sizes[name] for choice in choices if name in choice.sizes]
-        if len(told) < len(choices):
-            continue
-        mean, std = np.array(told).T
-        weight = 1 / (std**2 + EXACT**2)
-        middle = float(weight @ mean / weight.sum())
-        if float(weight @ (mean - middle) ** 2) < chi2.ppf(AGREE, len(mean) - 1):
+    mean, std = np.array(told).reshape(-1, 2).T
+    weight, order = 1 / (std**2 + EXACT**2), np.argsort(mean, kind="stable")
+    for count in range(len(told), max(1, len(told) // 2), -1):  # most of them, and two at least
+        best, middle, off = order, 0.0, np.inf
+        for k in range(len(told) - count + 1):
+            own = order[k : k + count]
+            there = float(weight[own] @ mean[own] / weight[own].sum())
+            if (apart := float(weight[own] @ (mean[own] - there) ** 2)) < off:
+                best, middle, off = own, there, apart
+        if not tested or off < chi2.ppf(AGREE, count - 1):
             # All of a row has settled together: many bays tell no more than one of them, but the same.
-            found[name] = middle, sqrt(len(mean) / float(weight.sum()))
-    return found
+            return middle, sqrt(count / float(weight[best].sum())), np.isin(np.arange(len(told)), best)
+    return None

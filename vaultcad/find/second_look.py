@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import hypot, log
+from math import log
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vaultcad.find.found import Found
+from vaultcad.find.found import Found, likeliest_of
+from vaultcad.find.neighbours import APART, OUT_OF_LINE, faced, rows_of
 from vaultcad.find.recognise import Hypothesis
-from vaultcad.find.refine import Refined, gain, settled
-from vaultcad.find.rows import APART, OUT_OF_LINE, lengths_of, rows_of, shared_by
+from vaultcad.find.refine import gain, settled
+from vaultcad.find.rows import shared_by
 from vaultcad.fit.evidence import INDEPENDENT
-from vaultcad.fit.freedom import Demands
+from vaultcad.fit.freedom import NONE, Demands
 from vaultcad.survey.parting import Ceiling
+from vaultcad.survey.springings import Springing
 
 Array = NDArray[np.float64]
 
@@ -35,10 +37,17 @@ class SecondLook:
     beside: Found
     shared: Mapping[str, tuple[float, float]]
 
-    def taken(self, found: Found, odd: Sequence[Found], demands: Demands) -> Found:
+    def taken(
+        self,
+        found: Found,
+        odd: Sequence[Found],
+        demands: Demands,
+        rng: np.random.Generator,
+        springings: Sequence[Springing] = (),
+    ) -> Found:
         """What was found as a bay of the row: no surer than its own stone, or else the bay beside it, tells.
 
-        odd: what was found before, if anything was. demands: of the user.
+        odd: what was found before, if anything was. demands: of the user. springings: of the arches in the scan.
         """
         if odd:
             own = _of_row(odd[0], self.beside)
@@ -47,40 +56,40 @@ class SecondLook:
         else:
             chosen, known = [found.hypotheses[0]], self.beside.hypotheses
             others = [replace(h, score=chosen[0].score + h.score - known[0].score) for h in known[1:]]
-        return replace(found, hypotheses=(*chosen, *others), shared=self._borne_out(found.refined, demands))
+        bay = replace(found, hypotheses=(*chosen, *others), shared=self.shared)
+        return self._as_its_stone(bay, demands, rng, springings) if self.shared else bay
 
-    def _borne_out(self, held: Refined, demands: Demands) -> Mapping[str, tuple[float, float]]:
-        """The sizes of the row: less sure by what they are off where the stone of the bay is clearly for others."""
-        if not self.shared:
-            return self.shared
-        free = settled(held.placed, held.kept, held.evidence, held.scatter, demands)
-        if gain(held.evidence, held, free) < len(self.shared) * log(INDEPENDENT):
-            return self.shared
-        own, mine = _lengths(held), _lengths(free)
-        off = {name: abs(mine[name] - own[name]) for name in lengths_of(held.placed.vault) if name in mine}
-        known = {name: (own[name], 0.0) for name in off} | dict(self.shared)
-        return {name: (mean, hypot(std, off.get(name, 0.0))) for name, (mean, std) in known.items()}
+    def _as_its_stone(
+        self, held: Found, demands: Demands, rng: np.random.Generator, springings: Sequence[Springing]
+    ) -> Found:
+        """A bay with the sizes of the row, or with its own where its stone is clearly for others.
 
-
-def _lengths(refined: Refined) -> dict[str, float]:
-    vault = refined.placed.vault
-    return {**vault.values(), **vault.derived_values()}
+        As that of a corner is, which may be as wide as another wing.
+        """
+        with_row = held.refined
+        free = settled(with_row.placed, with_row.kept, with_row.evidence, with_row.scatter, demands)
+        if gain(free.evidence, with_row, free) < len(self.shared) * log(INDEPENDENT):
+            return held
+        own = replace(held, refined=free, tolerance=free.tolerance, shared={})
+        return likeliest_of(own, demands, rng, springings=springings)
 
 
-def second_looks(ceilings: Sequence[Ceiling], found: Sequence[Sequence[Found]]) -> list[SecondLook]:
+def second_looks(
+    ceilings: Sequence[Ceiling], found: Sequence[Sequence[Found]], demands: Demands = NONE
+) -> list[SecondLook]:
     """Which ceilings are worth one, from what was found under each: nothing, or one vault of another family."""
-    every = [(k, one) for k, vaults in enumerate(found) for one in vaults]
-    rows = [[every[j] for j in row] for row in rows_of([one for _, one in every])]
-    settled = {k for row in rows for k, _ in row}
+    under = [k for k, vaults in enumerate(found) for _ in vaults]
+    every = faced([one for vaults in found for one in vaults], demands)
+    rows = rows_of(every)
+    settled = {under[n] for row in rows for n in row.bays}
     looks = []
     for k, ceiling in enumerate(ceilings):
         if k in settled or len(found[k]) > 1:
             continue
         for row in rows:
-            bays = [one for _, one in row]
-            beside = next((one for one in bays if _is_beside(ceiling, one)), None)
+            beside = next((every[n] for n in row.bays if _is_beside(ceiling, every[n])), None)
             if beside is not None and all(_of_row(odd, beside) for odd in found[k]):
-                looks.append(SecondLook(k, beside, shared_by(bays)))
+                looks.append(SecondLook(k, beside, shared_by(every, row)))
                 break
     return looks
 

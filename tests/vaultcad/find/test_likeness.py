@@ -129,7 +129,7 @@ def test_what_a_row_lacks_is_looked_at_again() -> None:
     for third in ((), (found(Sail(4.6, 5.4, 0.9), places[2], site(places[2], 0), (LARGE, 5.0)),)):
         (look,) = second_looks(stones, [*rows, third, (), ()])
         assert (look.number, look.beside) == (2, rows[1][0])  # the next is beside that one alone
-        taken = look.taken(found(LARGE, places[2], site(places[2], 0)), third, NONE)
+        taken = look.taken(found(LARGE, places[2], site(places[2], 0)), third, NONE, np.random.default_rng(0))
         assert [h.vault.id for h in taken.hypotheses] == ["groin", *(["sail"] if third else [])]
         assert confidence(taken.hypotheses)[0] > 0.7
 
@@ -147,7 +147,7 @@ def test_a_bay_found_in_its_row_is_no_surer_than_the_one_beside_it() -> None:
     stones = [ceiling(stone(LARGE, pose, k)) for k, pose in enumerate(places)]
     rows = [(found(LARGE, pose, site(pose, 0), (Barrel(), 3.0)),) for pose in places[:2]]
     (look,) = second_looks(stones, [*rows, ()])
-    taken = look.taken(found(LARGE, places[2], site(places[2], 0)), (), NONE)
+    taken = look.taken(found(LARGE, places[2], site(places[2], 0)), (), NONE, np.random.default_rng(0))
     assert confidence(taken.hypotheses) == confidence(rows[1][0].hypotheses)
 
 
