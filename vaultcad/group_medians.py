@@ -16,7 +16,10 @@ def group_medians(group: NDArray[np.integer], values: Array, count: int) -> Arra
     """
     size = np.bincount(group, minlength=count)
     first, full = np.cumsum(size) - size, size > 0
-    ordered = values[np.lexsort((values, group))]
+    by_value = np.argsort(values)
+    # Small numbers are sorted by their digits.
+    by_group = np.argsort(group[by_value].astype(np.min_scalar_type(count)), kind="stable")
+    ordered = values[by_value[by_group]]
     low, high = first[full] + (size[full] - 1) // 2, first[full] + size[full] // 2
     found = np.full(count, np.nan)
     found[full] = (ordered[low] + ordered[high]) / 2

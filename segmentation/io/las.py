@@ -123,7 +123,7 @@ def _has_normals(point_format: Any) -> bool:
 
 
 def _chunk(points: Any, header: Any, done: float) -> Chunk:
-    xyz = np.empty((len(points), 3))
+    xyz = np.empty((3, len(points))).T  # axes are looked at one by one
     for k, axis in enumerate("XYZ"):
         xyz[:, k] = points[axis] * header.scales[k] + header.offsets[k]
     return Chunk(

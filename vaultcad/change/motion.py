@@ -190,11 +190,11 @@ class _Fields:
         rough, strength = (part.ravel() for part in np.meshgrid(ROUGHNESSES[::every] ** 2, STRENGTHS[::every] ** 2))
         variance = strength[:, None] * waves.values[k] + rough[:, None]
         # Products of any two columns, each with weights of all fields at once: one product of matrices.
-        columns = np.column_stack([slopes, rest])
-        low, high = np.tril_indices(columns.shape[1])
-        products = (1 / variance) @ (columns[:, low] * columns[:, high])
-        told = np.empty((len(strength), columns.shape[1], columns.shape[1]))
-        told[:, low, high] = told[:, high, low] = products
+        columns = np.vstack([slopes.T, rest])
+        low, high = np.tril_indices(len(columns))
+        pair = np.empty((len(columns), len(columns)), np.int64)
+        pair[low, high] = pair[high, low] = np.arange(len(low))
+        told = ((1 / variance) @ (columns[low] * columns[high]).T).take(pair, axis=1)
         known = np.append(trend.precision, trend.precision @ trend.mean**2 + LEFT)
         told[:, range(len(known)), range(len(known))] += known
         told[:, :-1, -1] += trend.precision * trend.mean
@@ -210,8 +210,9 @@ class _Fields:
     def likelihood_of(self, part: NDArray[np.bool_]) -> Array:
         """The same with a part (u,) of the unknowns alone."""
         mine = np.flatnonzero(np.append(part, True))
+        told = self.told if part.all() else self.told.take(mine, axis=1).take(mine, axis=2)
         # Of such equations the last place of the root is what the unknowns leave.
-        root = np.diagonal(np.linalg.cholesky(self.told[:, mine[:, None], mine]), axis1=1, axis2=2)
+        root = np.diagonal(np.linalg.cholesky(told), axis1=1, axis2=2)
         volume = 2 * np.log(root[:, :-1]).sum(axis=1) - np.log(self.precision[part]).sum()
         out: Array = self.prior - 0.5 * (np.log(self.variance).sum(axis=1) + volume + root[:, -1] ** 2)
         return out

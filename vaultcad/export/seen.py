@@ -53,13 +53,13 @@ class Seen:
         """Deviation [m] at the ends of the scale."""
         return limit_of(self.deviation[self.on])
 
-    @property
+    @cached_property
     def walls(self) -> Floats:
         """Points (m, 3) of the walls under this vault, at its springing."""
-        (low, high), (bottom, top), z = self.box, WALL_HEIGHTS, self.points[:, 2]
+        (low, high), (bottom, top), (x, y, z) = self.box, WALL_HEIGHTS, self.points.T
         around = WALL_REACH * (high - low).max()
-        beside = (self.points[:, :2] > low - around) & (self.points[:, :2] < high + around)
-        walls: Floats = self.points[beside.all(axis=1) & (z > bottom) & (z < top) & ~self.on]
+        beside = (x > low[0] - around) & (x < high[0] + around) & (y > low[1] - around) & (y < high[1] + around)
+        walls: Floats = self.points.compress(beside & (z > bottom) & (z < top) & ~self.on, axis=0)
         return walls
 
     def stepped(self, deviation: Floats) -> Floats:

@@ -71,7 +71,7 @@ def find_vaults(
         return _ribbed(under_it, (), parting.hung, thin, xyz, rng)
     hung = np.concatenate([ceiling.points for ceiling in ceilings]) if ceilings else np.empty((0, 3))
     rngs = rng.spawn(len(ceilings) + len(soffits))
-    if any(_is_oblique(soffit, thin) for soffit in soffits):  # as ribs are, which part the webs of one vault
+    if _any_oblique(soffits, thin):  # as ribs are, which part the webs of one vault
         with suppress(NoVaultError):
             whole = under_one_ceiling(thin, xyz, families, rng.spawn(1)[0], demands, single=True)
             ribbed = _ribbed(whole, (), parting.hung, thin, xyz, rng)
@@ -221,11 +221,11 @@ def told_apart(arches: Sequence[FoundArch], ribs: Sequence[FoundArch]) -> tuple[
     return [arch for arch in arches if not any(rib.is_along(arch) for rib in kept)], kept
 
 
-def _is_oblique(soffit: Soffit, thin: Thin) -> bool:
-    """Whether an arch runs at an angle to most of the walls about it."""
-    level = thin.normals[np.abs(thin.normals[:, 2]) < UPRIGHT, :2]
-    turned_by = 4 * (np.arctan2(level[:, 1], level[:, 0]) - soffit.yaw)
-    return bool(len(level) and np.cos(turned_by).mean() < SQUARE)
+def _any_oblique(soffits: Sequence[Soffit], thin: Thin) -> bool:
+    """Whether an arch runs at an angle to most of the walls."""
+    level = thin.normals.compress(np.abs(thin.normals[:, 2]) < UPRIGHT, axis=0)
+    walls = np.exp(4j * np.arctan2(level[:, 1], level[:, 0])).mean() if len(level) else 1.0
+    return any(float((walls * np.exp(-4j * soffit.yaw)).real) < SQUARE for soffit in soffits)
 
 
 def _check_bent(ceiling: Ceiling) -> None:

@@ -198,7 +198,7 @@ class _Search:
         if len(inner_thin.points) == len(thin.points):
             return self._one(thin, xyz, region)
         try:
-            found = self._one(inner_thin, xyz[inner.holds(xyz)], inner)
+            found = self._one(inner_thin, xyz.compress(inner.holds(xyz), axis=0), inner)
         except NoVaultError:  # what was cut off was its own
             return self._one(thin, xyz, region)
         plan = found.placed.vault.plan

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from families.void import kernel
 from segmentation.threads import threads
 from vaultcad.fit.solve import Placed
+from vaultcad.survey.plan_grid import Laid, PlanGrid
 
-CHUNK = 1 << 17  # points that a thread takes at once
+CHUNK = 1 << 19  # points that a thread takes at once
+CELL = 0.5  # m, edge of cells by which points are told apart that may be a vault's or an arch's
 FACE = 0.025  # m; points so near to the face of an arch are its own
 
 
@@ -42,6 +44,12 @@ class ArchBand:
     tolerance: float
     depth: NDArray[np.float64]
 
+    @property
+    def half(self) -> NDArray[np.float64]:
+        """(2,) of the plan in which those points lie [m]."""
+        x, y = self.placed.vault.plan.half
+        return np.array([x + np.nanmax([self.tolerance, *self.depth]), y + FACE])
+
 
 def label(xyz: NDArray[np.floating], vaults: Sequence[tuple[Placed, float]], arches: Sequence[ArchBand] = ()) -> Labels:
     """Label points (n, 3) [m] within a tolerance [m] of a vault; points nearer to its walls are not the vault's.
@@ -53,25 +61,56 @@ def label(xyz: NDArray[np.floating], vaults: Sequence[tuple[Placed, float]], arc
     component, vault, arch = (np.zeros(n, np.uint16) for _ in range(3))
     labels = Labels(component, vault, np.full(n, np.nan, np.float32), arch)
 
+    plans = [_corners(placed.pose.frame(), placed.vault.plan.half + tolerance) for placed, tolerance in vaults]
+    plans += [_corners(band.placed.pose.frame(), band.half) for band in arches]
+    if not plans:
+        return labels
+    low, high = np.array(plans).min(axis=0)[0], np.array(plans).max(axis=0)[1]
+
     def work(start: int) -> None:
-        part = slice(start, start + CHUNK)
+        laid = Laid.over(PlanGrid.over(low, high, CELL), np.ascontiguousarray(xyz[start : start + CHUNK]))
+        about = (laid.numbers_about(*corners) for corners in plans)
         for number, (placed, tolerance) in enumerate(vaults, 1):
-            _label(xyz[part], placed, tolerance, number, labels, start)
+            _label(laid.points, next(about), placed, tolerance, number, labels, start)
         for number, band in enumerate(arches, 1):
-            _label_arch(xyz[part], band, number, labels, start)
+            _label_arch(laid.points, next(about), band, number, labels, start)
 
     with threads() as pool:
         list(pool.map(work, range(0, n, CHUNK)))
     return labels
 
 
+def _corners(frame: NDArray[np.float64], half: NDArray[np.float64]) -> NDArray[np.float64]:
+    """South western and north eastern corner (2, 2) [m] about a plan of such half extents (2,) in a frame."""
+    corners = np.array([[x, y, 0.0] for x in (-half[0], half[0]) for y in (-half[1], half[1])])
+    places = ((corners - frame[:, 3]) @ frame[:, :3])[:, :2]
+    return np.array([places.min(axis=0), places.max(axis=0)])
+
+
+def _over(
+    xyz: NDArray[np.floating],
+    about: NDArray[np.int32],
+    frame: NDArray[np.float64],
+    half: NDArray[np.float64],
+    low: float,
+) -> NDArray[np.int32]:
+    """Of the points `about` a plan, by their numbers, those over it and above `low` in its frame [m]."""
+    mine: NDArray[np.int32] = about[kernel.over_plan(xyz.take(about, axis=0), frame, half, low)]
+    return mine
+
+
 def _label(
-    xyz: NDArray[np.floating], placed: Placed, tolerance: float, number: int, labels: Labels, start: int
+    xyz: NDArray[np.floating],
+    about: NDArray[np.int32],
+    placed: Placed,
+    tolerance: float,
+    number: int,
+    labels: Labels,
+    start: int,
 ) -> None:
-    """Enter the points of one vault, of those from `start` on, that are not nearer to one before it."""
+    """Enter the points of one vault, of those from `start` on that are about it, that are not nearer to one before."""
     frame = placed.pose.frame()
-    half = placed.vault.plan.half + tolerance
-    mine = kernel.over_plan(np.ascontiguousarray(xyz), frame, half, -tolerance)
+    mine = _over(xyz, about, frame, placed.vault.plan.half + tolerance, -tolerance)
     surface = placed.vault.evaluate(xyz[mine], frame=frame, walls=True)
     at = start + mine
     known = np.abs(labels.deviation[at])
@@ -83,12 +122,13 @@ def _label(
     labels.deviation[at] = surface.distance[near]
 
 
-def _label_arch(xyz: NDArray[np.floating], band: ArchBand, number: int, labels: Labels, start: int) -> None:
-    """Enter the points of one arch, of those from `start` on, that are not nearer to a vault or another arch."""
+def _label_arch(
+    xyz: NDArray[np.floating], about: NDArray[np.int32], band: ArchBand, number: int, labels: Labels, start: int
+) -> None:
+    """Enter the points of one arch, of those from `start` on that are about it, not nearer to a vault or other arch."""
     vault, frame = band.placed.vault, band.placed.pose.frame()
-    x, y = vault.plan.half
-    grown = np.array([x + np.nanmax([band.tolerance, *band.depth]), y + FACE])
-    mine = kernel.over_plan(np.ascontiguousarray(xyz), frame, grown, -band.tolerance)
+    y = vault.plan.half[1]
+    mine = _over(xyz, about, frame, band.half, -band.tolerance)
     local = xyz[mine] @ frame[:, :3].T + frame[:, 3]
     across = local[:, 1].copy()
     local[:, 1] = 0.0

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.survey.bays import Region
-from vaultcad.survey.thinned_scan import CHUNK, UPRIGHT, Thin, rectangle, turned
+from vaultcad.survey.plan_kernel import highest
+from vaultcad.survey.thinned_scan import UPRIGHT, Thin, rectangle, turned
 
 Array = NDArray[np.float64]
 
@@ -24,7 +25,7 @@ def bay_of(thin: Thin, xyz: NDArray[np.floating], region: Region) -> tuple[Thin,
     """The points of a region, thinned, and all of them (n, 3) [m] where a side has no wall."""
     mine = region.holds(thin.points)
     own = thin.only(mine)
-    return own, xyz if _walled(own, region).all() else _within(xyz, region)
+    return own, xyz if _walled(own, region).all() else xyz.compress(region.holds(xyz), axis=0)
 
 
 def without_arches(thin: Thin, xyz: NDArray[np.floating], region: Region) -> tuple[Thin, Region]:
@@ -39,9 +40,9 @@ def without_arches(thin: Thin, xyz: NDArray[np.floating], region: Region) -> tup
     low, high = region.low.copy(), region.high.copy()
     keep = np.ones(len(xy), np.bool_)
     open_sides = np.argwhere(~_walled(thin, region)).tolist()
-    level = turned(xyz[:, :2].astype(np.float64), region.yaw) if open_sides else np.empty((0, 2))
+    xyz = np.ascontiguousarray(xyz)
     for axis, side in open_sides:
-        front = _front(level, xyz[:, 2], region, axis, side)
+        front = _front(xyz, region, axis, side)
         if front > 0.0:
             sign, edge = (1.0, low) if side == 0 else (-1.0, high)
             depth = sign * (xy[:, axis] - edge[axis])
@@ -56,27 +57,17 @@ def _walled(thin: Thin, region: Region) -> NDArray[np.bool_]:
     return rectangle(xy, facing, np.abs(thin.normals[:, 2]) < UPRIGHT, thin.spacing)[2]
 
 
-def _within(xyz: NDArray[np.floating], region: Region) -> NDArray[np.floating]:
-    parts = (xyz[k : k + CHUNK] for k in range(0, len(xyz), CHUNK))
-    return np.concatenate([part[region.holds(part)] for part in parts])
-
-
-def _front(xy: Array, heights: NDArray[np.floating], region: Region, axis: int, side: int) -> float:
-    """How far inside a region's edge [m] the arch to the next bay ends: where the ceiling rises; 0 if nowhere.
-
-    xy: (n, 2) of the points in the region's axes [m]. heights: (n,) [m].
-    """
-    depth = (1.0, -1.0)[side] * (xy[:, axis] - (region.low, region.high)[side][axis])
+def _front(xyz: NDArray[np.floating], region: Region, axis: int, side: int) -> float:
+    """How far inside a region's edge [m] the arch to the next bay ends: where the ceiling rises; 0 if nowhere."""
+    edge, sign = (region.low, region.high)[side][axis], (1.0, -1.0)[side]
     # About the middle of the edge, where the crown of an arch is level.
     middle, length = (region.low + region.high)[1 - axis] / 2, (region.high - region.low)[1 - axis]
-    along = xy[:, 1 - axis] - middle
-    near = (depth >= 0) & (depth < FRONT) & (np.abs(along) < length / 4)
-    strips, bins = int(length / 2 / STRIP) + 1, round(FRONT / DEPTH_STEP)
-    strip = ((along[near] + length / 4) / STRIP).astype(np.int64)
-    height = np.full((strips, bins), -np.inf)
-    np.maximum.at(height, (strip, np.minimum(depth[near] / DEPTH_STEP, bins - 1).astype(np.int64)), heights[near])
+    shape = int(length / 2 / STRIP) + 1, round(FRONT / DEPTH_STEP)
+    turn, steps = (float(np.cos(region.yaw)), float(np.sin(region.yaw))), np.array([STRIP, DEPTH_STEP])
+    height = highest(xyz, *turn, axis, sign, edge, middle, length / 4, steps, shape)
     # Where nothing of the ceiling was seen, the highest point is the floor's.
     height[height < height.max(axis=1, keepdims=True) - FRONT] = np.nan
+    bins = shape[1]
     run, rise = round(SOFFIT / DEPTH_STEP), round(RISE / DEPTH_STEP)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of strips and bins without points

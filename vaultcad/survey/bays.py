@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vaultcad.errors import NoVaultError
-from vaultcad.survey.thinned_scan import STEEP, Thin, above_floor, inside, support, turned, yaw_of
+from vaultcad.survey.plan_kernel import within
+from vaultcad.survey.thinned_scan import STEEP, Thin, above_floor, direction, support, turned, yaw_of
 
 Array = NDArray[np.float64]
 CELL = 0.12, 2.5  # m and spacings; edge of the ceiling's cells, at least
@@ -41,7 +42,9 @@ class Region:
 
     def holds(self, points: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Which points (n, 2 or 3) of the local frame [m] lie in it."""
-        return inside(turned(points[:, :2], self.yaw), self.low, self.high)
+        points = np.ascontiguousarray(points)
+        found: NDArray[np.bool_] = within(points, *direction(self.yaw, points), self.low, self.high)
+        return found
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from families.declaration.plan import Plan
 from families.declaration.plan_sides import Side
 from vaultcad.survey.footprints import Ground
+from vaultcad.survey.plan_kernel import beside, outermost
 
 Array = NDArray[np.float64]
 
@@ -57,15 +58,10 @@ def open_sides(
         sign, edge = (-1.0, low[axis]) if side == 0 else (1.0, high[axis])
         middle, half = (low + high)[1 - axis] / 2, (high - low) / 2
 
-        def seen(points: NDArray[np.floating]) -> tuple[Array, Array]:
-            depth, along = sign * (edge - points[:, axis]), points[:, 1 - axis] - middle  # noqa: B023
-            return depth, along
-
-        start, slant = _slant(*seen(thinned), half[axis], half[1 - axis])
-        depth, along = seen(xy)
-        inside = depth - start - slant * along
-        near = np.flatnonzero((inside < RIM) & (inside > (-BEYOND if slant else -RIM)))
-        depth, along, ends = depth[near], along[near], []
+        depth, along = sign * (edge - thinned[:, axis]), thinned[:, 1 - axis] - middle
+        start, slant = _slant(depth, along, half[axis], half[1 - axis])
+        rim = np.array([-BEYOND if slant else -RIM, RIM])
+        (depth, along), ends = beside(xy, axis, sign, edge, middle, start, slant, rim).T, []
         for outer, reach in _strips(along, slant * along - depth):
             end, mean = np.empty(2), along[outer].mean()
             end[1 - axis], end[axis] = middle + mean, edge + sign * (reach - slant * mean)
@@ -127,10 +123,8 @@ def _strips(along: Array, reach: Array) -> Iterator[tuple[NDArray[np.intp], floa
     The end of evenly spread points lies beyond the outermost by their mean distance, which the outermost few tell.
     """
     strip = np.floor(along / STRIP).astype(np.int64)
-    order = np.lexsort((-reach, strip))
-    _, first, count = np.unique(strip[order], return_index=True, return_counts=True)
-    for k in first[count >= STRIP_POINTS]:
-        outer = order[k : k + OUTERMOST]
+    count, farthest = outermost(strip - strip.min(initial=0), np.ascontiguousarray(reach), OUTERMOST)
+    for outer in farthest[count >= STRIP_POINTS]:
         far = reach[outer]
         yield outer, float(far[0] + (far[0] - far[-1]) / (OUTERMOST - 1))
 

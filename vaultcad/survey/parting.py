@@ -80,7 +80,7 @@ class Part:
     def own(self, laid: Laid) -> NDArray[np.floating]:
         """Its own of all points of a scan, in their order."""
         about = laid.about(*self.grid.bounds)
-        return about[self.holds(about)]
+        return about.compress(self.holds(about), axis=0)
 
     def thinned(self, thin: Thin) -> Thin:
         """Its points of a thinned scan; none of the faces of arches."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vaultcad.survey.plan_kernel import cells
 from vaultcad.survey.thinned_scan import CHUNK
 
 Array = NDArray[np.float64]
@@ -45,10 +46,8 @@ class PlanGrid:
 
     def numbers(self, points: NDArray[np.floating]) -> Ints:
         """(n,) of the cells that points (n, 2 or 3) [m] lie over; -1 beyond them all."""
-        x, y = ((points[:, k] - self.low[k]) / self.cell for k in range(2))
-        i, j = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
-        inside = (i >= 0) & (i < self.shape[0]) & (j >= 0) & (j < self.shape[1])
-        return np.where(inside, i * self.shape[1] + j, -1)
+        found: Ints = cells(np.ascontiguousarray(points), self.low, self.cell, *self.shape)
+        return found
 
     def holds(self, held: Mask, points: NDArray[np.floating]) -> Mask:
         """Which points (n, 2 or 3) [m] lie over those of its cells that are held (nx * ny,)."""
@@ -87,10 +86,13 @@ class Laid:
 
     def about(self, low: Array, high: Array) -> NDArray[np.floating]:
         """The points over the cells that a rectangle from one corner (2,) to the other [m] touches, in their order."""
+        return self.points.take(self.numbers_about(low, high), axis=0)
+
+    def numbers_about(self, low: Array, high: Array) -> NDArray[np.int32]:
+        """Their numbers (k,)."""
         nx, ny = self.grid.shape
         ends = (np.floor((end - self.grid.low) / self.grid.cell).clip(0, (nx, ny)).astype(int) for end in (low, high))
         (x0, y0), (x1, y1) = ends
         rows, last = range(x0, min(x1 + 1, nx)), min(y1 + 1, ny)
         mine = [self.order[self.starts[x * ny + y0] : self.starts[x * ny + last]] for x in rows]
-        about: NDArray[np.floating] = self.points[np.sort(np.concatenate([self.order[:0], *mine]))]
-        return about
+        return np.sort(np.concatenate([self.order[:0], *mine]))

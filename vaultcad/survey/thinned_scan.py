@@ -14,6 +14,7 @@ from families.declaration.footprint import RECTANGLE, Footprint
 from vaultcad.errors import NoVaultError
 from vaultcad.survey.ends import RIM, OpenSide, ends_over, open_sides, splay_of, turn_of
 from vaultcad.survey.footprints import Ground, grounds_of, slopes_of
+from vaultcad.survey.plan_kernel import places_within
 
 if TYPE_CHECKING:
     from segmentation.cloud import Cloud
@@ -125,7 +126,8 @@ class Thin:
 
     def only(self, mask: NDArray[np.bool_]) -> Thin:
         """The points of a mask (n,)."""
-        return Thin(self.points[mask], self.normals[mask], self.counts[mask], self.spacing)
+        points, normals = (rows.compress(mask, axis=0) for rows in (self.points, self.normals))  # sooner than by a mask
+        return Thin(points, normals, self.counts[mask], self.spacing)
 
 
 def survey(cloud: Cloud) -> Site:
@@ -189,13 +191,13 @@ def find_site(thin: Thin, xyz: NDArray[np.floating]) -> Site:
     site = _along(yaw, thin)
     if site.walled.all():
         return site
-    if len(thin.points) < len(whole.points):  # a floor goes on beyond an open side
-        xyz = xyz[xyz[:, 2] > site.bottom + OVER_FLOOR]
-    sides = _open_sides(xyz, site)
+    # A floor goes on beyond an open side.
+    lowest = site.bottom + OVER_FLOOR if len(thin.points) < len(whole.points) else -np.inf
+    sides = _open_sides(xyz, site, lowest)
     if turn := turn_of(sides):  # the walls of a splay are as many as its axis, and it lies between them
         site = _along(yaw + turn, thin)
-        sides = _open_sides(xyz, site)
-    return _open(xyz, site, sides)
+        sides = _open_sides(xyz, site, lowest)
+    return _open(xyz, site, sides, lowest)
 
 
 def _along(yaw: float, thin: Thin) -> Site:
@@ -234,6 +236,12 @@ def support(counts: Array) -> Array:
     """
     shown: Array = np.minimum(counts / np.median(counts), 1.0)
     return shown
+
+
+def direction(yaw: float, points: NDArray[Real]) -> tuple[Real, Real]:
+    """Cosine and sine of an angle [rad], as numbers of those that points have."""
+    number = points.dtype.type
+    return number(np.cos(yaw)), number(np.sin(yaw))
 
 
 def turned(xy: NDArray[Real], yaw: float) -> NDArray[Real]:
@@ -338,28 +346,24 @@ def inside(xy: NDArray[np.floating], low: Array, high: Array) -> NDArray[np.bool
     return found
 
 
-def _open_sides(xyz: NDArray[np.floating], site: Site) -> list[OpenSide]:
-    """The sides of a site without a wall, by all points (n, 3) [m]."""
-    frame = np.concatenate([_near(xyz[k : k + CHUNK], site) for k in range(0, len(xyz), CHUNK)])
-    return open_sides(frame, turned(site.points[:, :2], site.yaw), site.low, site.high, site.walled)
+def _open_sides(xyz: NDArray[np.floating], site: Site, lowest: float) -> list[OpenSide]:
+    """The sides of a site without a wall, by all points (n, 3) above the lowest [m]."""
+    xyz = np.ascontiguousarray(xyz)
+    near = places_within(xyz, *direction(site.yaw, xyz), site.low - RIM, site.high + RIM, lowest)
+    return open_sides(near, turned(site.points[:, :2], site.yaw), site.low, site.high, site.walled)
 
 
-def _open(xyz: NDArray[np.floating], site: Site, sides: list[OpenSide]) -> Site:
+def _open(xyz: NDArray[np.floating], site: Site, sides: list[OpenSide], lowest: float) -> Site:
     """The site with where the stone ends on its open sides: of each strip across an edge one point."""
     shape = next(iter(site.grounds), None)
     if shape is None:
         ends = turned(np.concatenate([side.ends for side in sides]), -site.yaw)
     else:
         upright = site.points[np.abs(site.normals[:, 2]) < UPRIGHT]
-        ends = ends_over(shape, site.grounds[shape][0], xyz, upright, site.spacing)
+        above = xyz[xyz[:, 2] > lowest]
+        ends = ends_over(shape, site.grounds[shape][0], above, upright, site.spacing)
     low, high = site.low.copy(), site.high.copy()
     for side in sides:
         (low, high)[side.side][side.axis] = side.middle
     ends = np.column_stack([ends, np.full(len(ends), site.bottom - 1.0)])
     return replace(site, low=low, high=high, ends=ends, splay=splay_of(sides, high - low))
-
-
-def _near(xyz: NDArray[np.floating], site: Site) -> Array:
-    """Points (m, 2) of the turned plan within `RIM` of the rectangle's edges or in it."""
-    frame = turned(xyz[:, :2], site.yaw)
-    return frame[inside(frame, site.low - RIM, site.high + RIM)].astype(np.float64)
