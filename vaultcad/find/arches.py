@@ -25,7 +25,6 @@ DEPTH = 0.05, 0.8  # m by which a vault beside an arch is above it; more is a wa
 TOGETHER = 1.0  # m along an arch, within which the stone is off by as much
 OF_MEDIAN = sqrt(pi / 2)  # standard deviation of a median of n that are spread normally / theirs / √n
 HAUNCH, SEEN = 0.7, 0.5  # of its half span on which it is measured, and the share of that where it must be
-MOST, LEVEL = (0.1, 0.9), 0.03  # most of a soffit, and the share of its length in whose height a lintel's lies
 IN_LINE, APART = 0.3, 2.0  # m that arches of an arcade are out of line, and between their ends, at most
 
 
@@ -95,8 +94,7 @@ def find_arch(
     Raises:
         NoVaultError: an arch of no kind comes near, or it is a lintel.
     """
-    low, high = np.quantile(soffit.curve[:, 1], MOST)
-    if high - low < LEVEL * soffit.length:
+    if soffit.is_level:
         raise NoVaultError(f"no arch found: a soffit {soffit.length:.1f} m long is level, as that of a door")
     barrel = fitted_soffit(soffit, thin, rng, None if like is None else like.barrel, feet)
     return FoundArch(soffit, barrel, *_depth(soffit, barrel, hung))
