@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from vaultcad.errors import NoVaultError
 from vaultcad.find.found import Found
+from vaultcad.find.misfit import DOUBTFUL
 from vaultcad.find.soffit_barrel import fitted_soffit
-from vaultcad.survey.soffits import SIGMA, Soffit
+from vaultcad.fit.label import ArchBand
+from vaultcad.survey.soffits import SIGMA, SOFFIT, Soffit
 from vaultcad.survey.springings import Springing
 from vaultcad.survey.thinned_scan import Thin
 
@@ -54,6 +56,14 @@ class FoundArch:
         if len(known) < 2 and any(self._is_in_line(other.soffit) for other in others if other is not self):
             return np.full(2, np.nan)
         return np.full(2, known.min(initial=np.inf) if len(known) else np.nan)
+
+    def band(self, depth: Array) -> ArchBand:
+        """Where its points lie, with faces (2,) so deep [m]: about its barrel, or its stone if that is far off."""
+        soffit, placed = self.soffit, self.barrel.placed
+        if self.barrel.misfit.chance < DOUBTFUL:
+            return ArchBand(placed, self.barrel.tolerance, depth)
+        middle, _ = soffit.local(np.array([[placed.pose.x, placed.pose.y]]))
+        return ArchBand(placed, SOFFIT, depth, soffit.whole_curve() - [middle[0], placed.pose.z])
 
     def _is_in_line(self, other: Soffit) -> bool:
         """Whether another arch goes on where this one ends."""

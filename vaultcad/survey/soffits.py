@@ -33,7 +33,10 @@ BESIDE = 0.6  # m beyond the edges of a soffit where the ceilings beside it are 
 HIGHER, ALONG = 0.04, 0.3  # m that a ceiling is above the soffit beside it; share of its length along which it must be
 ALIKE = 0.15, 0.06, 0.1  # m, and share of a size, by which arches of one row differ; m in the height of their crowns
 SOFFIT = 0.03  # m; points so near a soffit's curve are its own
-EDGE = 0.01, 0.15  # share of its points beyond its edge; m that the edge is beyond its patch at most
+EDGE = (
+    0.01,
+    0.08,
+)  # share of its points beyond its edge; m that the edge is beyond its patch at most, in each of two turns
 STRIP, ENOUGH, FEWEST = 0.25, 30, 3  # m along a soffit in which its edges are measured, points there, and how often
 SEEN = 0.1, 0.9  # quantiles of those edges
 SIGMA = 1.4826  # standard deviation of what is spread normally / median of the distances from its median
@@ -93,6 +96,11 @@ class Soffit:
     def height(self, along: Array) -> Array:
         """Of the soffit (n,) [m], that far along the span; of its ends beyond them."""
         return np.interp(along, self.curve[:, 0], self.curve[:, 1])
+
+    def whole_curve(self) -> Array:
+        """Its curve (k + 2, 2) [m] on to where the stone ends: patches end before, and a bin's place is its middle."""
+        first, last = (end + (end - b) * BIN / abs(end[0] - b[0]) for end, b in (self.curve[:2], self.curve[:-3:-1]))
+        return np.array([first, *self.curve, last])
 
 
 Strips = dict[tuple[int, ...], Soffit]  # by the numbers of their patches
