@@ -51,10 +51,16 @@ class FoundArch:
         return bool(abs(along[0]) < self.soffit.length / 2 and abs(across[0]) < reach and turned < IN_LINE)
 
     def faces(self, others: Sequence[FoundArch]) -> Array:
-        """(2,) how deep its own faces are [m], as deep as the lesser; NaN for an arcade's, whose are the wall's."""
+        """(2,) how deep its own faces are [m], as deep as the lesser; NaN for an arcade's, whose are the wall's.
+
+        Where no vault is seen beside it, those of arches like it tell.
+        """
         known = self.depth[np.isfinite(self.depth)]
         if len(known) < 2 and any(self._is_in_line(other.soffit) for other in others if other is not self):
             return np.full(2, np.nan)
+        if not len(known):
+            alike = np.array([other.depth for other in others if self.soffit.is_like(other.soffit)])
+            known = alike[np.isfinite(alike)]
         return np.full(2, known.min(initial=np.inf) if len(known) else np.nan)
 
     def band(self, depth: Array) -> ArchBand:

@@ -30,8 +30,9 @@ MOST, LEVEL = (0.1, 0.9), 0.03  # most of a soffit, and the share of its length 
 UNDER, OVER = 0.5, 1.0  # m under its ends and over its crown where the vaults beside a soffit are
 BIN = 0.1  # m along the span, in which a soffit's height is taken
 BESIDE = 0.6  # m beyond the edges of a soffit where the ceilings beside it are looked for
+BEYOND = 2.0  # m, likewise of a soffit as those of arches in its row, where little of them need be seen
 HIGHER, ALONG = 0.04, 0.3  # m that a ceiling is above the soffit beside it; share of its length along which it must be
-ALIKE = 0.15, 0.06, 0.1  # m, and share of a size, by which arches of one row differ; m in the height of their crowns
+ALIKE = 0.08, 0.06, 0.1  # m, and share of a size, by which arches of one row differ; m in the height of their crowns
 SOFFIT = 0.03  # m; points so near a soffit's curve are its own
 EDGE = (
     0.01,
@@ -87,6 +88,13 @@ class Soffit:
         found: Mask = (points[:, 2] > self.curve[:, 1].min() - UNDER) & (points[:, 2] < self.curve[:, 1].max() + OVER)
         return found
 
+    def is_like(self, other: Soffit) -> bool:
+        """Whether it is as long, as wide and as high as another."""
+        one, two = (np.array([soffit.length, soffit.width]) for soffit in (self, other))
+        equal = np.abs(one - two) < ALIKE[0] + ALIKE[1] * two
+        crowns = [soffit.curve[:, 1].max() for soffit in (self, other)]
+        return bool(equal.all() and abs(np.subtract(*crowns)) < ALIKE[2])
+
     @property
     def is_level(self) -> bool:
         """Whether it is a lintel's, as over doors, and no arch's."""
@@ -110,11 +118,11 @@ def soffits_of(patches: Patches, xyz: NDArray[np.floating]) -> tuple[tuple[Soffi
     """The soffits between vaults, and which patches they are (count,); `xyz` (n, 3) [m] tell their edges."""
     strips = _joined(patches, {(k,): strip for k in range(patches.count) if (strip := _strip(patches, (k,)))})
     rest = ~np.isin(patches.patch, [k for parts in strips for k in parts])
-    beside = {parts: _beside(strip, patches.points[rest]) > ALONG for parts, strip in strips.items()}
-    found = {parts: strip for parts, strip in strips.items() if beside[parts].all()}
+    ceiling = patches.points[rest]
+    found = {parts: strip for parts, strip in strips.items() if _beside(strip, ceiling).min() > ALONG}
     # Of a walk the scanner may see too little through the last arches of an arcade.
-    row = [parts for parts, strip in strips.items() if any(_is_of_row(strip, o) for o in found.values())]
-    found |= {parts: strips[parts] for parts in row if beside[parts].any()}
+    row = {parts: strip for parts, strip in strips.items() if any(strip.is_like(one) for one in found.values())}
+    found |= {parts: strip for parts, strip in row.items() if not strip.is_level and _is_seen_through(strip, ceiling)}
     found = {parts: strip for parts, strip in found.items() if not any(_is_under(strip, o) for o in found.values())}
     chosen = np.zeros(patches.count, np.bool_)
     chosen[[k for parts in found for k in parts]] = True
@@ -173,13 +181,13 @@ def _strip(patches: Patches, parts: tuple[int, ...]) -> Soffit | None:
     return Soffit(place, yaw, length, width, curve)
 
 
-def _beside(soffit: Soffit, ceiling: Array) -> Array:
+def _beside(soffit: Soffit, ceiling: Array, reach: float = BESIDE) -> Array:
     """(2,) along how much of a soffit, as a share, ceilings (n, 3) [m] go on beside it, higher than it, on each side.
 
     What falls away from it, as over stairs, is taken where it meets the soffit.
     """
     along, across = soffit.local(ceiling)
-    near = (np.abs(along) < soffit.length / 2) & (np.abs(across) < soffit.width / 2 + BESIDE)
+    near = (np.abs(along) < soffit.length / 2) & (np.abs(across) < soffit.width / 2 + reach)
     near &= ceiling[:, 2] > soffit.curve[:, 1].min() - UNDER
     along, across, height = along[near], across[near], ceiling[near, 2]
     higher = height - soffit.height(along)
@@ -193,12 +201,9 @@ def _beside(soffit: Soffit, ceiling: Array) -> Array:
     return np.array(shares) / soffit.length
 
 
-def _is_of_row(strip: Soffit, arch: Soffit) -> bool:
-    """Whether a strip is as long, as wide and as high as the soffit of an arch, and no lintel."""
-    sizes, others = (np.array([one.length, one.width]) for one in (strip, arch))
-    crowns = [one.curve[:, 1].max() for one in (strip, arch)]
-    equal = np.abs(sizes - others) < ALIKE[0] + ALIKE[1] * others
-    return bool(equal.all() and abs(np.subtract(*crowns)) < ALIKE[2] and not strip.is_level)
+def _is_seen_through(soffit: Soffit, ceiling: Array) -> bool:
+    """Whether a ceiling (n, 3) [m] goes on along much of one side of a soffit, and some hangs beyond the other."""
+    return bool(_beside(soffit, ceiling).max() > ALONG and _beside(soffit, ceiling, BEYOND).min() > 0)
 
 
 def _is_under(strip: Soffit, other: Soffit) -> bool:
