@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import gc
 import logging
 import multiprocessing
 import os
@@ -11,7 +13,7 @@ import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing.connection import Connection
 from typing import Any, TypeVar
 
@@ -61,6 +63,7 @@ def beside(work: Callable[[Tell], T], *, long: bool = True) -> Iterator[Callable
     if not long or _cores() < 2 or _work is not None:
         yield work
         return
+    _give_back()
     context = multiprocessing.get_context("fork")
     ours, its = context.Pipe(duplex=False)
     process = context.Process(target=_beside, args=(work, its))
@@ -110,10 +113,18 @@ def _cores() -> int:
     return len(os.sched_getaffinity(0)) if FORKS else 1
 
 
-def _begin() -> None:
-    """A process ends with the one that made it, and leaves signals to it."""
-    import ctypes
+def _give_back() -> None:
+    """Give the system what was freed: each process would need as much anew beside it."""
+    with suppress(AttributeError):  # other C libraries than glibc have no such call
+        ctypes.CDLL(None).malloc_trim(0)
 
+
+def _begin() -> None:
+    """A process ends with the one that made it, and leaves signals to it.
+
+    Looking for garbage writes to all objects, and what is written to is no longer shared: theirs are left alone.
+    """
+    gc.freeze()
     ctypes.CDLL(None).prctl(PARENT_DIES, signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
