@@ -34,10 +34,7 @@ BEYOND = 2.0  # m, likewise of a soffit as those of arches in its row, where lit
 HIGHER, ALONG = 0.04, 0.3  # m that a ceiling is above the soffit beside it; share of its length along which it must be
 ALIKE = 0.08, 0.06, 0.1  # m, and share of a size, by which arches of one row differ; m in the height of their crowns
 SOFFIT = 0.03  # m; points so near a soffit's curve are its own
-EDGE = (
-    0.01,
-    0.08,
-)  # share of its points beyond its edge; m that the edge is beyond its patch at most, in each of two turns
+EDGE = 0.01, 0.08  # share of its points beyond its edge; m that this is beyond the edge before it at most
 STRIP, ENOUGH, FEWEST = 0.25, 30, 3  # m along a soffit in which its edges are measured, points there, and how often
 SEEN = 0.1, 0.9  # quantiles of those edges
 SIGMA = 1.4826  # standard deviation of what is spread normally / median of the distances from its median
@@ -119,7 +116,7 @@ def soffits_of(patches: Patches, xyz: NDArray[np.floating]) -> tuple[tuple[Soffi
     strips = _joined(patches, {(k,): strip for k in range(patches.count) if (strip := _strip(patches, (k,)))})
     rest = ~np.isin(patches.patch, [k for parts in strips for k in parts])
     ceiling = patches.points[rest]
-    found = {parts: strip for parts, strip in strips.items() if _beside(strip, ceiling).min() > ALONG}
+    found = {parts: strip for parts, strip in strips.items() if _beside(strip, ceiling).min() >= ALONG}
     # Of a walk the scanner may see too little through the last arches of an arcade.
     row = {parts: strip for parts, strip in strips.items() if any(strip.is_like(one) for one in found.values())}
     found |= {parts: strip for parts, strip in row.items() if not strip.is_level and _is_seen_through(strip, ceiling)}
@@ -203,7 +200,7 @@ def _beside(soffit: Soffit, ceiling: Array, reach: float = BESIDE) -> Array:
 
 def _is_seen_through(soffit: Soffit, ceiling: Array) -> bool:
     """Whether a ceiling (n, 3) [m] goes on along much of one side of a soffit, and some hangs beyond the other."""
-    return bool(_beside(soffit, ceiling).max() > ALONG and _beside(soffit, ceiling, BEYOND).min() > 0)
+    return bool(_beside(soffit, ceiling).max() >= ALONG and _beside(soffit, ceiling, BEYOND).min() > 0)
 
 
 def _is_under(strip: Soffit, other: Soffit) -> bool:
