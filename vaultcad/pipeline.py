@@ -30,7 +30,7 @@ from vaultcad.find.findings import Findings, find_vaults
 from vaultcad.find.found import Found
 from vaultcad.fit.demands import demand
 from vaultcad.fit.freedom import RECTANGLE, Demands
-from vaultcad.fit.label import ArchBand, Labels, label
+from vaultcad.fit.label import Labels, label
 from vaultcad.fit.solve import Placed
 from vaultcad.fit.uncertainty import covariance, open_ends
 from vaultcad.legible import legible
@@ -120,7 +120,7 @@ def fit_scan(cloud: Cloud, settings: FitSettings | None = None, *, progress: Pro
     with _stage("finding", seconds, progress):
         found = find_vaults(thin, xyz, families, rng, demands, progress)
     bands = [(one.placed, one.tolerance) for one in found.vaults]
-    arched = [ArchBand(one.barrel.placed, one.barrel.tolerance, one.faces(found.arches)) for one in found.arches]
+    arched = [one.band(one.faces(found.arches)) for one in found.arches]
     with _stage("labelling", seconds, progress):
         labels, thinned = label(xyz, bands, arched), label(thin.points, bands, arched)
     with _stage("measuring", seconds, progress):

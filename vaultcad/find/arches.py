@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from vaultcad.errors import NoVaultError
 from vaultcad.find.found import Found
+from vaultcad.find.misfit import DOUBTFUL
 from vaultcad.find.soffit_barrel import fitted_soffit
-from vaultcad.survey.soffits import SIGMA, Soffit
+from vaultcad.fit.label import ArchBand
+from vaultcad.survey.soffits import SIGMA, SOFFIT, Soffit
 from vaultcad.survey.springings import Springing
 from vaultcad.survey.thinned_scan import Thin
 
@@ -25,7 +27,6 @@ DEPTH = 0.05, 0.8  # m by which a vault beside an arch is above it; more is a wa
 TOGETHER = 1.0  # m along an arch, within which the stone is off by as much
 OF_MEDIAN = sqrt(pi / 2)  # standard deviation of a median of n that are spread normally / theirs / √n
 HAUNCH, SEEN = 0.7, 0.5  # of its half span on which it is measured, and the share of that where it must be
-MOST, LEVEL = (0.1, 0.9), 0.03  # most of a soffit, and the share of its length in whose height a lintel's lies
 IN_LINE, APART = 0.3, 2.0  # m that arches of an arcade are out of line, and between their ends, at most
 
 
@@ -50,11 +51,25 @@ class FoundArch:
         return bool(abs(along[0]) < self.soffit.length / 2 and abs(across[0]) < reach and turned < IN_LINE)
 
     def faces(self, others: Sequence[FoundArch]) -> Array:
-        """(2,) how deep its own faces are [m], as deep as the lesser; NaN for an arcade's, whose are the wall's."""
+        """(2,) how deep its own faces are [m], as deep as the lesser; NaN for an arcade's, whose are the wall's.
+
+        Where no vault is seen beside it, those of arches like it tell.
+        """
         known = self.depth[np.isfinite(self.depth)]
         if len(known) < 2 and any(self._is_in_line(other.soffit) for other in others if other is not self):
             return np.full(2, np.nan)
+        if not len(known):
+            alike = np.array([other.depth for other in others if self.soffit.is_like(other.soffit)])
+            known = alike[np.isfinite(alike)]
         return np.full(2, known.min(initial=np.inf) if len(known) else np.nan)
+
+    def band(self, depth: Array) -> ArchBand:
+        """Where its points lie, with faces (2,) so deep [m]: about its barrel, or its stone if that is far off."""
+        soffit, placed = self.soffit, self.barrel.placed
+        if self.barrel.misfit.chance < DOUBTFUL:
+            return ArchBand(placed, self.barrel.tolerance, depth)
+        middle, _ = soffit.local(np.array([[placed.pose.x, placed.pose.y]]))
+        return ArchBand(placed, SOFFIT, depth, soffit.whole_curve() - [middle[0], placed.pose.z])
 
     def _is_in_line(self, other: Soffit) -> bool:
         """Whether another arch goes on where this one ends."""
@@ -95,8 +110,7 @@ def find_arch(
     Raises:
         NoVaultError: an arch of no kind comes near, or it is a lintel.
     """
-    low, high = np.quantile(soffit.curve[:, 1], MOST)
-    if high - low < LEVEL * soffit.length:
+    if soffit.is_level:
         raise NoVaultError(f"no arch found: a soffit {soffit.length:.1f} m long is level, as that of a door")
     barrel = fitted_soffit(soffit, thin, rng, None if like is None else like.barrel, feet)
     return FoundArch(soffit, barrel, *_depth(soffit, barrel, hung))

@@ -24,7 +24,7 @@ from vaultcad.find.search import under_one_ceiling
 from vaultcad.find.second_look import SecondLook, second_looks
 from vaultcad.find.seen_through import seen_through
 from vaultcad.fit.freedom import BAYS, NONE, Demands
-from vaultcad.fit.label import ArchBand, label
+from vaultcad.fit.label import label
 from vaultcad.processes import spread
 from vaultcad.survey.parting import Ceiling, parted
 from vaultcad.survey.patches import Patches
@@ -206,7 +206,7 @@ def _ribbed(
     if not ribs:
         return Findings(vaults, tuple(arches), hung)
     bands = [(one.placed, one.tolerance) for one in vaults]
-    arched = [ArchBand(one.barrel.placed, one.barrel.tolerance, one.depth) for one in (*between, *ribs)]
+    arched = [one.band(one.depth) for one in (*between, *ribs)]
     held = np.bincount(label(thin.points, bands, arched).arch, minlength=len(arched) + 1)[1 + len(between) :]
     kept = [rib for rib, count in zip(ribs, held.tolist(), strict=True) if count >= FEWEST]
     return Findings(vaults, (*between, *kept), hung)

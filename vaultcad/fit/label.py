@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from families.declaration.vault import Surface
 from families.void import kernel
 from segmentation.threads import threads
 from vaultcad.fit.solve import Placed
@@ -38,17 +39,32 @@ class ArchBand:
     """Where the points of an arch lie: about its soffit, a barrel, by `tolerance` [m], and on its faces.
 
     depth: (2,) of its faces on either side of its span, the barrel's south and north [m]; NaN where it has none.
+    curve: (k, 2) of an arch of no kind, whose points lie about it instead: along the span and up from the springing.
     """
 
     placed: Placed
     tolerance: float
     depth: NDArray[np.float64]
+    curve: NDArray[np.float64] | None = None
 
     @property
     def half(self) -> NDArray[np.float64]:
         """(2,) of the plan in which those points lie [m]."""
         x, y = self.placed.vault.plan.half
         return np.array([x + np.nanmax([self.tolerance, *self.depth]), y + FACE])
+
+    def above(self, local: NDArray[np.float64], surface: Surface) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """How far points (n, 3) in its frame are above its soffit, and off it (n,) [m], NaN where they are not over it.
+
+        surface: the barrel at these.
+        """
+        if self.curve is None:
+            off = np.where(surface.component > 0, surface.distance, np.nan)
+            return self.placed.vault.distance(local), off
+        along, height = self.curve.T
+        above = local[:, 2] - np.interp(local[:, 0], along, height, left=np.nan, right=np.nan)
+        above /= np.hypot(1.0, np.interp(local[:, 0], along, np.gradient(height, along)))
+        return above, above
 
 
 def label(xyz: NDArray[np.floating], vaults: Sequence[tuple[Placed, float]], arches: Sequence[ArchBand] = ()) -> Labels:
@@ -130,14 +146,16 @@ def _label_arch(
     y = vault.plan.half[1]
     mine = _over(xyz, about, frame, band.half, -band.tolerance)
     local = xyz[mine] @ frame[:, :3].T + frame[:, 3]
-    across = local[:, 1].copy()
+    beyond = np.abs(local[:, 1]) - y
+    side = (local[:, 1] > 0).astype(int)
     local[:, 1] = 0.0
-    surface, above = vault.evaluate(local, walls=True), vault.distance(local)
-    face = (np.abs(np.abs(across) - y) < FACE) & (above > 0) & (above < band.depth[(across > 0).astype(int)])
-    off = np.where(face, np.abs(across) - y, surface.distance)
+    surface = vault.evaluate(local, walls=True)
+    above, off = band.above(local, surface)
+    face = (np.abs(beyond) < FACE) & (above > 0) & (above < band.depth[side])
+    off = np.where(face, beyond, off)
     at = start + mine
-    near = face | ((np.abs(surface.distance) <= band.tolerance) & (surface.component > 0))
+    near = face | (np.abs(off) <= band.tolerance)
     near &= ~(np.abs(labels.deviation[at]) <= np.abs(off))
     at = at[near]
     labels.component[at], labels.vault[at], labels.arch[at] = 0, 0, number
-    labels.deviation[at] = off[near]
+    labels.deviation[at] = np.where(face, beyond, surface.distance)[near]

@@ -26,12 +26,15 @@ WIDTH = 0.12, 1.6  # m, of a soffit
 SLENDER = 0.75  # width / length at most
 WITHIN = 0.015, 0.985  # quantiles between which a patch lies
 GAP, TURN, WIDER = 0.5, 0.15, 1.3  # m between two parts of one soffit; sine between them; how much wider both are
+MOST, LEVEL = (0.1, 0.9), 0.03  # most of a soffit, and the share of its length in whose height a lintel's lies
 UNDER, OVER = 0.5, 1.0  # m under its ends and over its crown where the vaults beside a soffit are
 BIN = 0.1  # m along the span, in which a soffit's height is taken
 BESIDE = 0.6  # m beyond the edges of a soffit where the ceilings beside it are looked for
+BEYOND = 2.0  # m, likewise of a soffit as those of arches in its row, where little of them need be seen
 HIGHER, ALONG = 0.04, 0.3  # m that a ceiling is above the soffit beside it; share of its length along which it must be
+ALIKE = 0.08, 0.06, 0.1  # m, and share of a size, by which arches of one row differ; m in the height of their crowns
 SOFFIT = 0.03  # m; points so near a soffit's curve are its own
-EDGE = 0.01, 0.15  # share of its points beyond its edge; m that the edge is beyond its patch at most
+EDGE = 0.01, 0.08  # share of its points beyond its edge; m that this is beyond the edge before it at most
 STRIP, ENOUGH, FEWEST = 0.25, 30, 3  # m along a soffit in which its edges are measured, points there, and how often
 SEEN = 0.1, 0.9  # quantiles of those edges
 SIGMA = 1.4826  # standard deviation of what is spread normally / median of the distances from its median
@@ -82,9 +85,27 @@ class Soffit:
         found: Mask = (points[:, 2] > self.curve[:, 1].min() - UNDER) & (points[:, 2] < self.curve[:, 1].max() + OVER)
         return found
 
+    def is_like(self, other: Soffit) -> bool:
+        """Whether it is as long, as wide and as high as another."""
+        one, two = (np.array([soffit.length, soffit.width]) for soffit in (self, other))
+        equal = np.abs(one - two) < ALIKE[0] + ALIKE[1] * two
+        crowns = [soffit.curve[:, 1].max() for soffit in (self, other)]
+        return bool(equal.all() and abs(np.subtract(*crowns)) < ALIKE[2])
+
+    @property
+    def is_level(self) -> bool:
+        """Whether it is a lintel's, as over doors, and no arch's."""
+        low, high = np.quantile(self.curve[:, 1], MOST)
+        return bool(high - low < LEVEL * self.length)
+
     def height(self, along: Array) -> Array:
         """Of the soffit (n,) [m], that far along the span; of its ends beyond them."""
         return np.interp(along, self.curve[:, 0], self.curve[:, 1])
+
+    def whole_curve(self) -> Array:
+        """Its curve (k + 2, 2) [m] on to where the stone ends: patches end before, and a bin's place is its middle."""
+        first, last = (end + (end - b) * BIN / abs(end[0] - b[0]) for end, b in (self.curve[:2], self.curve[:-3:-1]))
+        return np.array([first, *self.curve, last])
 
 
 Strips = dict[tuple[int, ...], Soffit]  # by the numbers of their patches
@@ -94,7 +115,11 @@ def soffits_of(patches: Patches, xyz: NDArray[np.floating]) -> tuple[tuple[Soffi
     """The soffits between vaults, and which patches they are (count,); `xyz` (n, 3) [m] tell their edges."""
     strips = _joined(patches, {(k,): strip for k in range(patches.count) if (strip := _strip(patches, (k,)))})
     rest = ~np.isin(patches.patch, [k for parts in strips for k in parts])
-    found = {parts: strip for parts, strip in strips.items() if _is_between(strip, patches.points[rest])}
+    ceiling = patches.points[rest]
+    found = {parts: strip for parts, strip in strips.items() if _beside(strip, ceiling).min() >= ALONG}
+    # Of a walk the scanner may see too little through the last arches of an arcade.
+    row = {parts: strip for parts, strip in strips.items() if any(strip.is_like(one) for one in found.values())}
+    found |= {parts: strip for parts, strip in row.items() if not strip.is_level and _is_seen_through(strip, ceiling)}
     found = {parts: strip for parts, strip in found.items() if not any(_is_under(strip, o) for o in found.values())}
     chosen = np.zeros(patches.count, np.bool_)
     chosen[[k for parts in found for k in parts]] = True
@@ -153,24 +178,29 @@ def _strip(patches: Patches, parts: tuple[int, ...]) -> Soffit | None:
     return Soffit(place, yaw, length, width, curve)
 
 
-def _is_between(soffit: Soffit, ceiling: Array) -> bool:
-    """Whether ceilings (n, 3) [m] go on on both sides of a soffit, higher than it, along much of it.
+def _beside(soffit: Soffit, ceiling: Array, reach: float = BESIDE) -> Array:
+    """(2,) along how much of a soffit, as a share, ceilings (n, 3) [m] go on beside it, higher than it, on each side.
 
     What falls away from it, as over stairs, is taken where it meets the soffit.
     """
     along, across = soffit.local(ceiling)
-    near = (np.abs(along) < soffit.length / 2) & (np.abs(across) < soffit.width / 2 + BESIDE)
+    near = (np.abs(along) < soffit.length / 2) & (np.abs(across) < soffit.width / 2 + reach)
     near &= ceiling[:, 2] > soffit.curve[:, 1].min() - UNDER
     along, across, height = along[near], across[near], ceiling[near, 2]
     higher = height - soffit.height(along)
     bins = np.floor(along / BIN).astype(np.int64)
+    shares = []
     for side in (-1, 1):
         on = side * across > 0
         met = _met(side * across[on] - soffit.width / 2, higher[on])
         tops = {k: np.median(met[bins[on] == k]) for k in np.unique(bins[on])}
-        if sum(top > HIGHER for top in tops.values()) * BIN < ALONG * soffit.length:
-            return False
-    return True
+        shares.append(sum(top > HIGHER for top in tops.values()) * BIN)
+    return np.array(shares) / soffit.length
+
+
+def _is_seen_through(soffit: Soffit, ceiling: Array) -> bool:
+    """Whether a ceiling (n, 3) [m] goes on along much of one side of a soffit, and some hangs beyond the other."""
+    return bool(_beside(soffit, ceiling).max() >= ALONG and _beside(soffit, ceiling, BEYOND).min() > 0)
 
 
 def _is_under(strip: Soffit, other: Soffit) -> bool:

@@ -1,5 +1,6 @@
 """Ribs in scans are found under the vault that they hang under, with their section and how sure it is."""
 
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -83,6 +84,14 @@ def test_the_edge_of_an_arch_under_a_vault_that_reaches_over_it_is_no_rib():
     edges = [strip(0.17, 0.1, WALL), strip(10.6, 0.15, WALL, np.pi)]
     alone = strip(3.0, 0.15, WALL)
     assert told_apart([arch, wide], [*edges, alone]) == ([arch, wide], [alone])
+
+
+def test_faces_of_an_arch_beside_which_no_vault_is_seen_are_those_of_arches_like_it() -> None:
+    unseen = replace(strip(0.0, 0.44), depth=np.full(2, np.nan))
+    like, wide = replace(strip(5.0, 0.46), depth=np.array([np.nan, 0.15])), replace(strip(9.0, 0.9), depth=np.ones(2))
+    assert unseen.faces([unseen, wide, like]).tolist() == [0.15, 0.15]
+    assert np.isnan(unseen.faces([unseen, wide])).all()
+    assert strip(0.0, 0.44).faces([like, wide]).tolist() == [0.2, 0.2]
 
 
 def test_a_diagonal_rib_is_no_arch():

@@ -8,8 +8,10 @@ import pytest
 from families import Profile, Segmental, Semicircular
 from segmentation.cloud import Cloud
 from tests.vaultcad.survey.test_springings import NOISE, SPRINGS, WIDTH, arch
+from vaultcad.find.arches import FoundArch
 from vaultcad.find.found import Found
 from vaultcad.find.soffit_barrel import fitted_soffit
+from vaultcad.fit.label import label
 from vaultcad.fit.uncertainty import covariance, slopes_of_sizes
 from vaultcad.measure.estimates import deviation
 from vaultcad.survey.soffits import Soffit
@@ -24,14 +26,18 @@ def foot(side: int, level: float = 0.0) -> Springing:
     return Springing(np.array([side * SPAN / 2, 0.0, SPRINGS + level]), SURE)
 
 
-def found(points: np.ndarray, feet: list[Springing]) -> Found:
-    """The arch over points, of which the soffit is found from a little above its feet on."""
+def soffit_of(points: np.ndarray) -> Soffit:
+    """The soffit of an arch, of which that is seen from a little above its feet on."""
     x, z = points[points[:, 2] > SPRINGS + 0.15][:, [0, 2]].T
     bins = np.floor(x / 0.1)
     curve = np.array([[x[bins == k].mean(), np.median(z[bins == k])] for k in np.unique(bins)])
-    soffit = Soffit(np.zeros(2), 0.0, float(np.ptp(x)), WIDTH, curve)
+    return Soffit(np.zeros(2), 0.0, float(np.ptp(x)), WIDTH, curve)
+
+
+def found(points: np.ndarray, feet: list[Springing]) -> Found:
+    """The arch over points."""
     thin = thin_scan(Cloud(points.astype(np.float32)))
-    return fitted_soffit(soffit, thin, np.random.default_rng(0), None, feet)
+    return fitted_soffit(soffit_of(points), thin, np.random.default_rng(0), None, feet)
 
 
 def said(one: Found, name: str) -> tuple[float, float]:
@@ -71,13 +77,30 @@ def test_feet_that_disagree_tell_nothing() -> None:
     assert "z" not in apart.refined.solution.free.pose
 
 
-def test_an_arch_of_no_kind_says_so_and_how_unsure_its_sizes_are() -> None:
-    """As one of three straight stretches."""
+def of_no_kind() -> np.ndarray:
+    """Points (n, 3) [m] of the soffit of an arch of three straight stretches."""
     rng = np.random.default_rng(4)
     corners = np.array([[-1.65, 0.0], [-0.8, 0.9], [0.8, 0.9], [1.65, 0.0]])
     at = rng.uniform(0, 3, 8000)
     curve = np.column_stack([np.interp(at, range(4), column) for column in corners.T])
     points = np.column_stack([curve[:, 0], rng.uniform(-WIDTH / 2, WIDTH / 2, len(curve)), curve[:, 1] + SPRINGS])
-    one = found(points + NOISE * rng.standard_normal(points.shape), [])
+    return np.asarray(points + NOISE * rng.standard_normal(points.shape))
+
+
+def test_an_arch_of_no_kind_says_so_and_how_unsure_its_sizes_are() -> None:
+    one = found(of_no_kind(), [])
     assert "off it" in one.doubt
     assert said(one, "rise")[1] > 0.05
+
+
+def test_points_of_an_arch_of_no_kind_are_told_by_its_stone_and_not_by_the_nearest_kind() -> None:
+    """At its corners that is 10 cm off, and as far inside them between."""
+    points = of_no_kind()
+    high = points[:, 2] > SPRINGS + 0.15
+    one = FoundArch(soffit_of(points), found(points, []), np.full(2, 0.2), np.full(2, 0.01))
+    labels = label(points, [], [one.band(one.depth)])
+    assert (labels.arch[high] > 0).mean() > 0.98
+    off = np.abs(one.barrel.placed.distance(points))[high]
+    assert np.nanmax(np.abs(np.abs(labels.deviation[high]) - off)[np.abs(points[high, 1]) < WIDTH / 2 - 0.03]) < 0.02
+    beside = points[high] - [0, 0, 0.06]
+    assert (label(beside, [], [one.band(one.depth)]).arch > 0).mean() < 0.05

@@ -12,7 +12,7 @@ from families import FAMILIES, Barrel, Groin, Lunette, Sail, Segmental, Semicirc
 from segmentation import compare
 from segmentation.cloud import Cloud
 from vaultcad.find.findings import find_vaults
-from vaultcad.fit.label import ArchBand, Labels, label
+from vaultcad.fit.label import Labels, label
 from vaultcad.fit.solve import Placed
 from vaultcad.pipeline import fit_scan
 from vaultcad.scanner import Bay, ScannerSettings, SceneScan, row, scan_bays
@@ -46,7 +46,7 @@ def found_in(scene: SceneScan) -> tuple[list[Placed], Labels]:
     xyz = scene.xyz.astype(np.float32)
     found = find_vaults(thin_scan(Cloud(xyz)), xyz, FAMILIES, np.random.default_rng(0))
     bands = [(one.placed, one.tolerance) for one in found.vaults]
-    arched = [ArchBand(one.barrel.placed, one.barrel.tolerance, one.faces(found.arches)) for one in found.arches]
+    arched = [one.band(one.faces(found.arches)) for one in found.arches]
     return [placed for placed, _ in bands], label(xyz, bands, arched)
 
 

@@ -20,7 +20,7 @@ from vaultcad.scanner.building.rows import beside, in_row
 from vaultcad.survey.parting import Ceiling, Part, Parting, parted
 from vaultcad.survey.patches import Patches, hung_and_other, patches_of
 from vaultcad.survey.plan_grid import PlanGrid
-from vaultcad.survey.soffits import Soffit
+from vaultcad.survey.soffits import Soffit, measured
 from vaultcad.survey.thinned_scan import Thin, thin_scan
 
 NAVE = Groin(4, 3.5, Semicircular(), Segmental(0.4))
@@ -217,6 +217,37 @@ def test_soffits_are_where_the_arches_are() -> None:
         assert soffit.place == pytest.approx(place, abs=0.03)
         assert soffit.width == pytest.approx(told["width"], abs=0.02)
         assert abs(np.sin(soffit.yaw - np.radians(told["yaw_deg"]))) < 0.02
+
+
+@pytest.mark.parametrize(("unseen", "found"), [([1], 2), ([1, 2], 0)])
+def test_an_arch_of_an_arcade_tells_what_another_is_where_the_walk_behind_it_is_not_seen(
+    unseen: list[int], found: int
+) -> None:
+    """An opening through a wall behind which no ceiling is seen is a window, unless it is as an arch beside it.
+
+    The two at the ends of this arcade are half hidden themselves.
+    """
+    virtual, thin, parting = surveyed("ambulatory")
+    arches = [virtual.case["arches"][k] for k in unseen]
+    assert len(parting.soffits) == 2
+    hidden = np.zeros(len(thin.points), np.bool_)
+    for arch in arches:
+        place, turn = np.array(arch["place"][:2]) - virtual.origin[:2], np.radians(arch["yaw_deg"])
+        along, out = Soffit(place, float(turn), 0, 0, np.empty((0, 2))).local(thin.points)
+        hidden |= (np.abs(along) < 1.0) & (out > 0.3) & (out < 1.5)
+    left = thin.only(~hidden)
+    assert len(parted(left, virtual.xyz.astype(np.float32)).soffits) == found
+
+
+def test_what_crosses_a_soffit_beyond_its_edges_does_not_widen_it() -> None:
+    """Webs of an octagon are as high as the arch before them at two places, 9 to 14 cm beyond its edge."""
+    rng = np.random.default_rng(6)
+    u, v = rng.uniform(-1.5, 1.5, 4000), rng.uniform(-0.25, 0.25, 4000)
+    web = np.abs(u) > 0.9
+    v[web & (rng.random(4000) < 0.2)] = rng.uniform(0.34, 0.39)
+    points = np.column_stack([u, v, np.full(4000, 3.0)])
+    soffit = Soffit(np.zeros(2), 0.0, 3.0, 0.44, np.array([[-1.5, 3.0], [1.5, 3.0]]))
+    assert measured(measured(soffit, points), points).width == pytest.approx(0.5, abs=0.02)
 
 
 def test_a_narrow_arch_over_a_tie_rod_hangs_over_the_room_below_and_a_shell_over_a_vault_does_not() -> None:
