@@ -7,6 +7,7 @@ confirms it.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import degrees, hypot
 
@@ -76,6 +77,14 @@ def lean_of(thin: Thin) -> tuple[Lean | None, tuple[Note, ...]]:
     is planer. Without a floor, as in cropped scans, what walls there are tell less.
     """
     walls, floor = _by_walls(thin.normals), _by_floor(thin)
+    lean, notes = _leaning(walls, floor, thin)
+    if floor is None or (notes and lean is None):
+        return lean, notes
+    return lean, (*notes, *_sloping(floor if lean is None else floor @ lean.matrix))
+
+
+def _leaning(walls: Array | None, floor: Array | None, thin: Thin) -> tuple[Lean | None, tuple[Note, ...]]:
+    """The same from what walls and floor are square to (3,)."""
     if walls is None:
         if floor is None or _tilt(floor) < ALONE:
             return None, ()
@@ -101,6 +110,14 @@ def lean_of(thin: Thin) -> tuple[Lean | None, tuple[Note, ...]]:
     if floor is None:
         text += "; no floor confirms it"
     return Lean((float(angle * across[0]), float(angle * across[1])), thin.points.mean(axis=0)), (Note("tilt", text),)
+
+
+def _sloping(floor: Array) -> Iterator[Note]:
+    """What is to be said of a floor that is not square to the vertical, by its normal (3,) in a level scan."""
+    if _tilt(floor) > LEAST:
+        down, fall = degrees(np.arctan2(floor[1], floor[0])) % 360, 1000 * np.tan(_tilt(floor))
+        where = f"down at {down:.0f}° from x, counterclockwise"
+        yield Note("floor", f"the floor slopes by {degrees(_tilt(floor)):.2f}°, {fall:.0f} mm in a metre, {where}")
 
 
 def _tilt(up: Array) -> float:
