@@ -208,15 +208,24 @@ def _kinds(choices: Sequence[Choice]) -> dict[Kinds, float]:
 def _sizes(one: Found, kinds: Kinds, fitted: Vault) -> Mapping[str, tuple[float, float]]:
     """Mean and standard deviation of the lengths of a bay with these arches, by name [m]; nothing if it tells none.
 
-    A bay that has them from its row tells none. Those of the plan are as all its stone has them, in `fitted`: what the
-    field of a settlement is told of leaves out what is near walls and edges, which show them best.
+    A bay that has them from its row tells none, nor does one at the end of its range, as a segment that came out round.
+    Those of the plan are as all its stone has them, in `fitted`: what the field of a settlement is told of leaves out
+    what is near walls and edges, which show them best.
     """
     choice = next((choice for choice in one.choices if choice.kinds == kinds), None)
     if choice is None or one.shared:
         return {}
     values = (fitted if kinds_of(fitted) == kinds else choice.placed.vault).values()
     plan = along(fitted, 0) | along(fitted, 1)
-    return {**choice.sizes, **{name: (values[name], choice.sizes[name][1]) for name in plan & choice.sizes.keys()}}
+    sizes = {**choice.sizes, **{name: (values[name], choice.sizes[name][1]) for name in plan & choice.sizes.keys()}}
+    return {name: sizes[name] for name in sizes.keys() - _at_the_end(choice.placed.vault)}
+
+
+def _at_the_end(vault: Vault) -> set[str]:
+    """The sizes of a vault that are as large as they may be, and those that follow from one of these alone."""
+    values = vault.values()
+    ends = {p.name for p in vault.parameters() if values[p.name] >= p.range.high}
+    return ends | {name for name, parameter in decides(type(vault)).items() if parameter in ends}
 
 
 def _agreed(told: Sequence[tuple[float, float]], *, tested: bool) -> tuple[float, float, NDArray[np.bool_]] | None:

@@ -92,6 +92,20 @@ def test_a_corner_bay_with_other_arches_leaves_a_row_what_it_shares() -> None:
     assert {"span", "rise"} <= shared.keys()
 
 
+def test_a_segment_that_came_out_round_tells_a_row_no_rise() -> None:
+    """It rests at the end of its range and seems exact: a walk of six bays shared nothing, or would its rise."""
+    found = fitted(Segmental(0.3))
+    first = found.choices[0]
+    first = replace(first, sizes=first.sizes | {"rise": (first.sizes["rise"][0], 0.6)})
+    vault = first.placed.vault.with_arches({"profile": Segmental(0.5)})
+    rise = vault.derived_values()["rise"]
+    round_one = replace(first, placed=replace(first.placed, vault=vault), sizes=first.sizes | {"rise": (rise, 1e-4)})
+    last = replace(_beside(found, 3), choices=(round_one,))
+    bays = [*(replace(_beside(found, k), choices=(first,)) for k in range(3)), last]
+    mean, _ = shared_by(bays, Row((0, 1, 2, 3)))["rise"]
+    assert mean == pytest.approx(first.sizes["rise"][0])
+
+
 def test_a_bay_that_differs_keeps_its_own_sizes_and_the_others_share_theirs() -> None:
     """It spoilt the row before: all kept their own, or were drawn to it."""
     found = fitted(Semicircular())
