@@ -118,8 +118,9 @@ def soffits_of(patches: Patches, xyz: NDArray[np.floating]) -> tuple[tuple[Soffi
     ceiling = patches.points[rest]
     found = {parts: strip for parts, strip in strips.items() if _beside(strip, ceiling).min() >= ALONG}
     # Of a walk the scanner may see too little through the last arches of an arcade.
-    row = {parts: strip for parts, strip in strips.items() if any(strip.is_like(one) for one in found.values())}
-    found |= {parts: strip for parts, strip in row.items() if not strip.is_level and _is_seen_through(strip, ceiling)}
+    others = {parts: strip for parts, strip in strips.items() if parts not in found and not strip.is_level}
+    row = {parts: strip for parts, strip in others.items() if any(strip.is_like(one) for one in found.values())}
+    found |= {parts: strip for parts, strip in row.items() if _is_seen_through(strip, ceiling)}
     found = {parts: strip for parts, strip in found.items() if not any(_is_under(strip, o) for o in found.values())}
     chosen = np.zeros(patches.count, np.bool_)
     chosen[[k for parts in found for k in parts]] = True
