@@ -360,7 +360,7 @@ def _open(xyz: NDArray[np.floating], site: Site, sides: list[OpenSide], lowest: 
         ends = turned(np.concatenate([side.ends for side in sides]), -site.yaw)
     else:
         upright = site.points[np.abs(site.normals[:, 2]) < UPRIGHT]
-        above = xyz[xyz[:, 2] > lowest]
+        above = xyz[xyz[:, 2] > lowest] if np.isfinite(lowest) else xyz
         ends = ends_over(shape, site.grounds[shape][0], above, upright, site.spacing)
     low, high = site.low.copy(), site.high.copy()
     for side in sides:
